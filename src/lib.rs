@@ -1,3 +1,38 @@
-//! flicr: a LiDAR codec for the device the sensor hangs on.
-#![cfg_attr(not(feature = "std"), no_std)]
+//! flicr: a LiDAR codec for the device that the sensor hangs on.
+#![no_std]
 #![deny(unsafe_code)]
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+#[cfg(feature = "std")]
+extern crate std;
+
+pub mod coder;
+mod config;
+mod encoder;
+mod error;
+pub mod frame;
+pub mod geometry;
+mod image;
+mod insert;
+mod kernel;
+mod point;
+mod quantize;
+mod tally;
+
+#[cfg(feature = "std")]
+mod decoder;
+
+pub use coder::{Coder, CoderId, Rle, Store};
+pub use config::{Config, Scale};
+pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
+pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};
+pub use frame::Header;
+pub use geometry::{Placement, UniformGrid, UniformView};
+pub use image::{ImageView, ImageViewMut, Level, RangeImage};
+pub use insert::{Collision, OutOfView, Policy};
+pub use point::{BLOCK_LEN, Block, Points, StridedPoints};
+pub use quantize::{OutOfScale, Quantizer};
+pub use tally::Tally;
+
+#[cfg(feature = "std")]
+pub use decoder::{Decoder, Frame, Levels, Limits};

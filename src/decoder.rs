@@ -1,0 +1,186 @@
+//! The mirror image of the encoder: frame -> payload -> range image -> points.
+
+use std::vec::Vec;
+
+use crate::coder::{self, CoderId};
+use crate::error::{DecodeError, LimitKind, PayloadFault};
+use crate::frame::{self, Header, ParsedFrame};
+use crate::geometry::Sphere;
+use crate::image::{ImageView, Level};
+
+/// What a decoder may be asked to do; checked before any memory is taken or work begun.
+///
+/// ```
+/// use flicr::Limits;
+/// let limits = Limits { pixels: 64 * 4500, ..Limits::default() };
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Bytes of one frame; 16 MiB by default.
+    pub frame_len: usize,
+    /// Rows times columns; 4 Mi by default (a 128-beam sensor of 4096 columns has half a Mi).
+    pub pixels: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { frame_len: 16 << 20, pixels: 4 << 20 }
+    }
+}
+
+/// Decodes frames; keeps its memory and the geometry's sines and cosines from one to the next.
+///
+/// RAM: 1 or 2 bytes a pixel of the largest frame so far, the same again while a frame of several strips is decoded,
+/// and 16 bytes a row and a column.
+#[derive(Debug, Default)]
+pub struct Decoder {
+    limits: Limits,
+    levels: Levels,
+    sphere: Sphere,
+}
+
+/// The levels of a decoded image, row-major, 0 = no return.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Levels {
+    /// Of up to 8 bits.
+    U8(Vec<u8>),
+    /// Of 9 to 16 bits.
+    U16(Vec<u16>),
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self::U8(Vec::new())
+    }
+}
+
+/// A decoded frame; its pixels are lent by the [`Decoder`].
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    header: Header,
+    levels: &'a Levels,
+    sphere: &'a Sphere,
+}
+
+impl Decoder {
+    /// A decoder that refuses frames beyond `limits`.
+    #[must_use]
+    pub fn new(limits: Limits) -> Self {
+        Self { limits, ..Self::default() }
+    }
+
+    /// Decodes `bytes`, which must be exactly one frame.
+    ///
+    /// # Errors
+    /// Any [`DecodeError`]; no partial frame is given.
+    pub fn decode(&mut self, bytes: &[u8]) -> Result<Frame<'_>, DecodeError> {
+        check_limit(LimitKind::FrameLen, bytes.len(), self.limits.frame_len)?;
+        let parsed = frame::parse(bytes)?;
+        let header = parsed.header;
+        check_limit(LimitKind::Pixels, header.pixels(), self.limits.pixels)?;
+        self.levels.decode(&parsed)?;
+        self.sphere.prepare(header.rows, header.columns, header.view, header.placement);
+        Ok(Frame { header, levels: &self.levels, sphere: &self.sphere })
+    }
+}
+
+fn check_limit(limit: LimitKind, found: usize, allowed: usize) -> Result<(), DecodeError> {
+    if found > allowed {
+        return Err(DecodeError::Limit { limit, found: found as u64, allowed: allowed as u64 });
+    }
+    Ok(())
+}
+
+impl Levels {
+    fn decode(&mut self, parsed: &ParsedFrame<'_>) -> Result<(), DecodeError> {
+        let fits_u8 = parsed.header.quantizer.level_bits() <= u8::BITS;
+        if fits_u8 != matches!(self, Self::U8(_)) {
+            *self = if fits_u8 { Self::U8(Vec::new()) } else { Self::U16(Vec::new()) };
+        }
+        match self {
+            Self::U8(levels) => decode_levels(parsed, levels),
+            Self::U16(levels) => decode_levels(parsed, levels),
+        }
+    }
+}
+
+fn decode_levels<L: Level>(parsed: &ParsedFrame<'_>, levels: &mut Vec<L>) -> Result<(), DecodeError> {
+    levels.clear();
+    levels.resize(parsed.header.pixels(), L::NONE);
+    let columns = usize::from(parsed.header.columns);
+    let mut strip_levels = Vec::new();
+    for (number, strip) in (0..).zip(parsed.strips()) {
+        let strip = strip?;
+        let fault = |fault| DecodeError::Payload { strip: number, fault };
+        let strip_columns = usize::from(strip.columns);
+        if strip_columns == columns {
+            decode_payload(&parsed.header, strip.payload, levels).map_err(fault)?;
+        } else {
+            strip_levels.clear();
+            strip_levels.resize(usize::from(parsed.header.rows) * strip_columns, L::NONE);
+            decode_payload(&parsed.header, strip.payload, &mut strip_levels).map_err(fault)?;
+            place_strip(&strip_levels, strip_columns, levels, columns, strip.first_column.into());
+        }
+    }
+    Ok(())
+}
+
+fn decode_payload<L: Level>(header: &Header, payload: &[u8], levels: &mut [L]) -> Result<(), PayloadFault> {
+    match header.coder {
+        CoderId::Store => coder::store::decode(payload, levels)?,
+        CoderId::Rle => coder::rle::decode(payload, levels)?,
+        CoderId::Deflate => coder::inflate::decode(payload, levels)?,
+    }
+    let max = header.quantizer.max_level();
+    // All levels fit where the pixel type has no more bits than the header allows.
+    let too_large = if u32::from(max) + 1 == 1 << L::BITS { None } else { levels.iter().find(|l| l.get() > max) };
+    too_large.map_or(Ok(()), |found| Err(PayloadFault::LevelRange { found: found.get(), max }))
+}
+
+fn place_strip<L: Level>(strip: &[L], strip_columns: usize, levels: &mut [L], columns: usize, first_column: usize) {
+    for (from, to) in strip.chunks_exact(strip_columns).zip(levels.chunks_exact_mut(columns)) {
+        to[first_column..first_column + strip_columns].copy_from_slice(from);
+    }
+}
+
+impl Frame<'_> {
+    /// What the frame says of itself.
+    #[must_use]
+    pub const fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Levels, row-major, 0 = no return.
+    #[must_use]
+    pub const fn levels(&self) -> &Levels {
+        self.levels
+    }
+
+    /// The points, x, y, z in meters, row by row from the top, each in order of columns.
+    #[must_use]
+    pub fn points(&self) -> Vec<[f32; 3]> {
+        let mut points = Vec::new();
+        self.points_into(&mut points);
+        points
+    }
+
+    /// As [`points`](Self::points), into a vector whose memory is used again.
+    pub fn points_into(&self, points: &mut Vec<[f32; 3]>) {
+        points.clear();
+        match self.levels {
+            Levels::U8(levels) => self.push_points(levels, points),
+            Levels::U16(levels) => self.push_points(levels, points),
+        }
+    }
+
+    fn push_points<L: Level>(&self, levels: &[L], points: &mut Vec<[f32; 3]>) {
+        let Some(image) = ImageView::new(levels, self.header.columns.into()) else { return };
+        points.reserve(image.occupied());
+        let quantizer = self.header.quantizer;
+        for (row, levels) in (0..).zip(levels.chunks_exact(image.columns())) {
+            let pixels = levels.iter().zip(self.sphere.row(row));
+            let occupied = pixels.filter(|(level, _)| **level != L::NONE);
+            points.extend(occupied.map(|(level, direction)| direction.at(quantizer.range_m(level.get()))));
+        }
+    }
+}

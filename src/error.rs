@@ -1,0 +1,277 @@
+//! What can go wrong, as small `Copy` values that say what was wrong, what was found and what was expected.
+
+use core::fmt;
+
+/// A configuration that no frame can be made with. Found when the configuration is made, not when it is used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A frame has 1 to 65,535 rows and as many columns.
+    Size {
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        columns: usize,
+    },
+    /// Levels have 1 to 16 bits, and no more than the image's pixel type holds.
+    LevelBits {
+        /// Bits asked for.
+        found: u32,
+        /// Bits the pixel type holds.
+        available: u32,
+    },
+    /// The largest range must be a positive, finite number of meters.
+    MaxRange {
+        /// Meters asked for.
+        found_m: f32,
+    },
+    /// Elevations must satisfy -90 degrees <= bottom < top <= 90 degrees.
+    ElevationView {
+        /// Upper edge asked for, radians.
+        top_rad: f32,
+        /// Lower edge asked for, radians.
+        bottom_rad: f32,
+    },
+    /// The azimuth view must start at -pi to pi and span more than nothing and at most one turn.
+    AzimuthView {
+        /// First azimuth asked for, radians.
+        start_rad: f32,
+        /// Width asked for, radians.
+        span_rad: f32,
+    },
+}
+
+/// Why a frame was not encoded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The frame did not fit the output buffer. Nothing in the buffer is a frame.
+    OutputTooSmall {
+        /// Bytes the buffer has.
+        have: usize,
+        /// Bytes that are enough for every frame of this configuration.
+        worst_case: usize,
+    },
+    /// The scale follows each frame's farthest point, so the whole scan is needed at once:
+    /// call `encode`, or configure a fixed largest range to insert points piece by piece.
+    ScaleNeedsWholeScan,
+    /// No frame can be made with the configuration.
+    Config(ConfigError),
+}
+
+impl From<ConfigError> for EncodeError {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(error)
+    }
+}
+
+/// A frame that cannot be decoded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum DecodeError {
+    /// The input ends before the frame does.
+    Truncated {
+        /// Bytes there should be.
+        need: usize,
+        /// Bytes there are.
+        have: usize,
+    },
+    /// The input does not start with `FLCR`.
+    Magic {
+        /// The four bytes found.
+        found: [u8; 4],
+    },
+    /// A version of the format that this decoder does not know.
+    Version {
+        /// The version found.
+        found: u8,
+        /// The version this decoder reads.
+        supported: u8,
+    },
+    /// A header field holds a value that no encoder writes.
+    Header {
+        /// The field.
+        field: HeaderField,
+        /// What was found there (floats as their bits).
+        found: u32,
+    },
+    /// The checksum does not match: the frame was damaged.
+    Checksum {
+        /// CRC-32 that the frame carries.
+        stored: u32,
+        /// CRC-32 of the bytes received.
+        computed: u32,
+    },
+    /// The frame is larger than the caller allows.
+    Limit {
+        /// Which of the caller's limits.
+        limit: LimitKind,
+        /// What the frame asks for.
+        found: u64,
+        /// What is allowed.
+        allowed: u64,
+    },
+    /// Bytes follow the frame.
+    TrailingBytes {
+        /// Length of the frame.
+        frame_len: usize,
+        /// Length of the input.
+        have: usize,
+    },
+    /// Strips must cover the columns from the first to the last without a gap.
+    StripOrder {
+        /// Column that the strip starts at.
+        found: u32,
+        /// Column it should start at.
+        expected: u32,
+    },
+    /// A strip's payload does not decode to its pixels.
+    Payload {
+        /// Number of the strip, from 0.
+        strip: u32,
+        /// What the coder met.
+        fault: PayloadFault,
+    },
+}
+
+/// What a coder met in a payload that no encoder makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PayloadFault {
+    /// The payload ends before all pixels are there.
+    TooShort,
+    /// All pixels are there before the payload ends.
+    TooLong,
+    /// The code itself is malformed.
+    Malformed,
+    /// A level above what the header's level bits can hold.
+    LevelRange {
+        /// The level found.
+        found: u16,
+        /// The largest that the header allows.
+        max: u16,
+    },
+}
+
+/// Fields of the frame header, as named in `docs/FORMAT.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "the names are those of docs/FORMAT.md")]
+pub enum HeaderField {
+    HeaderLen,
+    FrameLen,
+    Flags,
+    Rows,
+    Columns,
+    LevelBits,
+    Coder,
+    Strips,
+    Step,
+    RangeBound,
+    GeometryKind,
+    GeometryView,
+    StripColumns,
+    Reserved,
+}
+
+/// The caller's limits on what a decoder may be asked to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum LimitKind {
+    /// Bytes of one frame.
+    FrameLen,
+    /// Rows times columns.
+    Pixels,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Size { rows, columns } => {
+                write!(f, "a frame of {columns} x {rows} cannot be made: columns and rows must be 1 to 65535")
+            }
+            Self::LevelBits { found, available } => {
+                write!(f, "levels of {found} bits asked for: expected 1 to {available}")
+            }
+            Self::MaxRange { found_m } => {
+                write!(f, "a largest range of {found_m} m asked for: expected a positive, finite number")
+            }
+            Self::ElevationView { top_rad, bottom_rad } => write!(
+                f,
+                "elevations from {bottom_rad} to {top_rad} rad asked for: expected -pi/2 <= bottom < top <= pi/2"
+            ),
+            Self::AzimuthView { start_rad, span_rad } => write!(
+                f,
+                "azimuths from {start_rad} rad over {span_rad} rad asked for: expected a start from -pi to pi and a span of at most one turn"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutputTooSmall { have, worst_case } => {
+                write!(f, "the frame does not fit the output buffer of {have} bytes ({worst_case} are always enough)")
+            }
+            Self::ScaleNeedsWholeScan => write!(
+                f,
+                "the scale follows the frame's farthest point: encode the whole scan at once or give a largest range"
+            ),
+            Self::Config(error) => error.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Truncated { need, have } => {
+                write!(f, "input ends after {have} bytes: expected at least {need}")
+            }
+            Self::Magic { found } => {
+                write!(f, "not a flicr frame: starts with {found:02x?}, expected \"FLCR\"")
+            }
+            Self::Version { found, supported } => {
+                write!(f, "format version {found}: this decoder reads version {supported}")
+            }
+            Self::Header { field, found } => {
+                write!(f, "header field {field:?} holds {found:#x}, which no encoder writes")
+            }
+            Self::Checksum { stored, computed } => {
+                write!(f, "checksum {stored:08x} stored, {computed:08x} computed: the frame is damaged")
+            }
+            Self::Limit { limit, found, allowed } => {
+                write!(f, "the frame asks for {found} {limit:?}: {allowed} allowed")
+            }
+            Self::TrailingBytes { frame_len, have } => {
+                write!(f, "{} bytes follow the frame of {frame_len} bytes", have.saturating_sub(frame_len))
+            }
+            Self::StripOrder { found, expected } => {
+                write!(f, "a strip starts at column {found}: expected {expected}")
+            }
+            Self::Payload { strip, fault } => write!(f, "payload of strip {strip}: {fault}"),
+        }
+    }
+}
+
+impl fmt::Display for PayloadFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::TooShort => f.write_str("ends before all pixels are there"),
+            Self::TooLong => f.write_str("goes on after all pixels are there"),
+            Self::Malformed => f.write_str("malformed code"),
+            Self::LevelRange { found, max } => write!(f, "level {found}: at most {max} expected"),
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+impl core::error::Error for EncodeError {}
+impl core::error::Error for DecodeError {}

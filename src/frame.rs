@@ -1,0 +1,344 @@
+//! The container: header, strips, checksum. `docs/FORMAT.md` is the normative text; this is its one implementation,
+//! `write` and `parse` side by side.
+//!
+//! ```text
+//! frame  = header strip... crc32
+//! strip  = first_column:u16 columns:u16 payload_len:u32 payload
+//! ```
+
+use crate::coder::{Coder, CoderId, OutputFull, Sink};
+use crate::error::{DecodeError, HeaderField};
+use crate::geometry::{Placement, UniformView};
+use crate::image::{ImageView, Level};
+use crate::quantize::Quantizer;
+
+/// First four bytes of every frame.
+pub const MAGIC: [u8; 4] = *b"FLCR";
+/// The version of the format that this crate writes and reads.
+pub const VERSION: u8 = 1;
+/// Bytes of a header with a uniform geometry.
+pub const HEADER_LEN: usize = 64;
+/// Bytes before each strip's payload.
+pub const STRIP_HEADER_LEN: usize = 8;
+/// Bytes of the checksum behind the last strip.
+pub const CHECKSUM_LEN: usize = 4;
+/// Bytes that a frame of one strip needs besides its payload.
+pub const OVERHEAD_LEN: usize = HEADER_LEN + STRIP_HEADER_LEN + CHECKSUM_LEN;
+
+const CORNER_FLAG: u8 = 1;
+const GEOMETRY_UNIFORM: u8 = 0;
+
+/// CRC-32 as in zip and Ethernet. The one-byte table costs 1 KB of flash.
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// Everything a decoder must know of a frame but its pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Header {
+    /// The caller's number of the frame.
+    pub sequence: u32,
+    /// The caller's time of the frame, nanoseconds, of any epoch.
+    pub timestamp_ns: u64,
+    /// Rows of the image.
+    pub rows: u16,
+    /// Columns of the image.
+    pub columns: u16,
+    /// Levels to ranges; carries the step and the error bound.
+    pub quantizer: Quantizer,
+    /// What coded the strips.
+    pub coder: CoderId,
+    /// Returns that the encoder was given: those in the image and those it lost. What was no return is not counted.
+    pub returns: u32,
+    /// The part of the sphere that the image shows.
+    pub view: UniformView,
+    /// Where in its pixel a point lies.
+    pub placement: Placement,
+}
+
+impl Header {
+    /// Pixels of the image.
+    #[must_use]
+    pub const fn pixels(&self) -> usize {
+        self.rows as usize * self.columns as usize
+    }
+
+    fn to_bytes(self, frame_len: u32, strips: u16) -> [u8; HEADER_LEN] {
+        let mut bytes = [0; HEADER_LEN];
+        let mut at = 0;
+        let mut put = |field: &[u8]| {
+            for (to, &from) in bytes.iter_mut().skip(at).zip(field) {
+                *to = from;
+            }
+            at += field.len();
+        };
+        put(&MAGIC);
+        put(&[VERSION, if self.placement == Placement::Corner { CORNER_FLAG } else { 0 }]);
+        #[allow(clippy::cast_possible_truncation, reason = "64")]
+        put(&(HEADER_LEN as u16).to_le_bytes());
+        put(&frame_len.to_le_bytes());
+        put(&self.sequence.to_le_bytes());
+        put(&self.timestamp_ns.to_le_bytes());
+        put(&self.rows.to_le_bytes());
+        put(&self.columns.to_le_bytes());
+        #[allow(clippy::cast_possible_truncation, reason = "at most 16")]
+        put(&[self.quantizer.level_bits() as u8, self.coder as u8]);
+        put(&strips.to_le_bytes());
+        put(&self.quantizer.step_m().to_le_bytes());
+        put(&self.quantizer.range_bound_m().to_le_bytes());
+        put(&self.returns.to_le_bytes());
+        put(&[GEOMETRY_UNIFORM, 0, 0, 0]);
+        for angle_rad in [self.view.top_rad, self.view.bottom_rad, self.view.start_rad, self.view.span_rad] {
+            put(&angle_rad.to_le_bytes());
+        }
+        bytes
+    }
+}
+
+/// Most bytes that a frame of `pixels` pixels can take with coder `C`.
+#[must_use]
+pub const fn worst_case_len<L: Level, C: Coder<L>>(pixels: usize) -> usize {
+    OVERHEAD_LEN + C::WORST_CASE.len(pixels)
+}
+
+/// Writes a frame of one strip to the front of `out` and gives its length.
+///
+/// `header` must describe `image`; its `coder` is set to `C`'s.
+///
+/// # Errors
+/// [`OutputFull`] where the frame does not fit `out`.
+pub fn write<L: Level, C: Coder<L>>(
+    header: Header,
+    image: ImageView<'_, L>,
+    coder: &mut C,
+    out: &mut [u8],
+) -> Result<usize, OutputFull> {
+    let (head, rest) = out.split_at_mut_checked(HEADER_LEN).ok_or(OutputFull)?;
+    let (strip_head, payload) = rest.split_at_mut_checked(STRIP_HEADER_LEN).ok_or(OutputFull)?;
+    let payload_len = coder.encode(image, payload)?;
+    let checked_len = HEADER_LEN + STRIP_HEADER_LEN + payload_len;
+    let header = Header { coder: C::ID, ..header };
+    head.copy_from_slice(&header.to_bytes(to_u32(checked_len + CHECKSUM_LEN)?, 1));
+    put_strip_header(header.columns, to_u32(payload_len)?, strip_head);
+    let (checked, after) = out.split_at_mut_checked(checked_len).ok_or(OutputFull)?;
+    Sink::new(after).put_all(&CRC.checksum(checked).to_le_bytes())?;
+    Ok(checked_len + CHECKSUM_LEN)
+}
+
+fn put_strip_header(columns: u16, payload_len: u32, out: &mut [u8]) {
+    let (from, [c0, c1], [p0, p1, p2, p3]) = ([0, 0], columns.to_le_bytes(), payload_len.to_le_bytes());
+    out.copy_from_slice(&[from[0], from[1], c0, c1, p0, p1, p2, p3]);
+}
+
+fn to_u32(len: usize) -> Result<u32, OutputFull> {
+    u32::try_from(len).map_err(|_| OutputFull)
+}
+
+/// A frame whose header and checksum have been found right; its payloads have not been looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct ParsedFrame<'a> {
+    /// The header.
+    pub header: Header,
+    strips: u16,
+    body: &'a [u8],
+}
+
+/// One run of columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Strip<'a> {
+    /// First column.
+    pub first_column: u16,
+    /// Columns.
+    pub columns: u16,
+    /// The coded levels.
+    pub payload: &'a [u8],
+}
+
+/// Length of the frame that `bytes` starts with, if it starts with one. For cutting a file of many frames.
+///
+/// # Errors
+/// [`DecodeError::Magic`], [`DecodeError::Version`], [`DecodeError::Truncated`].
+pub fn frame_len(bytes: &[u8]) -> Result<usize, DecodeError> {
+    let mut fields = Fields { bytes, at: 0 };
+    check_start(&mut fields)?;
+    fields.at = 8;
+    let frame_len = fields.u32()? as usize;
+    if bytes.len() < frame_len {
+        return Err(DecodeError::Truncated { need: frame_len, have: bytes.len() });
+    }
+    Ok(frame_len)
+}
+
+/// Reads the header of the frame that `bytes` starts with, and nothing behind it: the checksum is *not* looked at.
+/// For a receiver that must decide on a frame before all of it is there.
+///
+/// # Errors
+/// Any [`DecodeError`] but those of strips, payload and checksum.
+pub fn parse_header(bytes: &[u8]) -> Result<Header, DecodeError> {
+    header_fields(bytes).map(|(header, _, _)| header)
+}
+
+/// Checks that `bytes` are exactly one frame: header, lengths, checksum.
+///
+/// # Errors
+/// Any [`DecodeError`] but those of strips and payload.
+pub fn parse(bytes: &[u8]) -> Result<ParsedFrame<'_>, DecodeError> {
+    let (header, frame_len, strips) = header_fields(bytes)?;
+    check_frame_len(frame_len, bytes.len())?;
+    let (body, stored) = bytes.split_at(frame_len - CHECKSUM_LEN);
+    let stored = Fields { bytes: stored, at: 0 }.u32()?;
+    let computed = CRC.checksum(body);
+    if stored != computed {
+        return Err(DecodeError::Checksum { stored, computed });
+    }
+    Ok(ParsedFrame { header, strips, body: body.get(HEADER_LEN..).unwrap_or_default() })
+}
+
+fn check_frame_len(frame_len: usize, have: usize) -> Result<(), DecodeError> {
+    match frame_len.cmp(&have) {
+        core::cmp::Ordering::Greater => Err(DecodeError::Truncated { need: frame_len, have }),
+        core::cmp::Ordering::Less => Err(DecodeError::TrailingBytes { frame_len, have }),
+        core::cmp::Ordering::Equal => Ok(()),
+    }
+}
+
+fn header_fields(bytes: &[u8]) -> Result<(Header, usize, u16), DecodeError> {
+    let mut fields = Fields { bytes, at: 0 };
+    check_start(&mut fields)?;
+    if bytes.len() < HEADER_LEN {
+        return Err(DecodeError::Truncated { need: HEADER_LEN, have: bytes.len() });
+    }
+    let placement = placement_of(fields.u8()?)?;
+    expect(HeaderField::HeaderLen, u32::from(fields.u16()?), |len| len as usize == HEADER_LEN)?;
+    let frame_len = expect(HeaderField::FrameLen, fields.u32()?, |len| len as usize >= OVERHEAD_LEN)?;
+    let (sequence, timestamp_ns) = (fields.u32()?, fields.u64()?);
+    let rows = expect(HeaderField::Rows, fields.u16()?, |rows| rows > 0)?;
+    let columns = expect(HeaderField::Columns, fields.u16()?, |columns| columns > 0)?;
+    let level_bits = expect(HeaderField::LevelBits, fields.u8()?, |bits| (1..=16).contains(&bits))?;
+    let coder = fields.u8()?;
+    let coder =
+        CoderId::from_byte(coder).ok_or(DecodeError::Header { field: HeaderField::Coder, found: coder.into() })?;
+    let strips = expect(HeaderField::Strips, fields.u16()?, |strips| (1..=columns).contains(&strips))?;
+    let quantizer = quantizer_of(level_bits, fields.u32()?, fields.u32()?)?;
+    let returns = fields.u32()?;
+    expect(HeaderField::GeometryKind, fields.u8()?, |kind| kind == GEOMETRY_UNIFORM)?;
+    expect(HeaderField::Reserved, fields.u8()?, |zero| zero == 0)?;
+    expect(HeaderField::Reserved, fields.u16()?, |zero| zero == 0)?;
+    let view = view_of(&mut fields)?;
+    let header = Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, view, placement };
+    Ok((header, frame_len as usize, strips))
+}
+
+fn check_start(fields: &mut Fields<'_>) -> Result<(), DecodeError> {
+    let found = fields.u32()?.to_le_bytes();
+    if found != MAGIC {
+        return Err(DecodeError::Magic { found });
+    }
+    let found = fields.u8()?;
+    if found != VERSION {
+        return Err(DecodeError::Version { found, supported: VERSION });
+    }
+    Ok(())
+}
+
+fn placement_of(flags: u8) -> Result<Placement, DecodeError> {
+    match flags {
+        0 => Ok(Placement::Center),
+        CORNER_FLAG => Ok(Placement::Corner),
+        _ => Err(DecodeError::Header { field: HeaderField::Flags, found: flags.into() }),
+    }
+}
+
+fn quantizer_of(level_bits: u8, step_bits: u32, bound_bits: u32) -> Result<Quantizer, DecodeError> {
+    let quantizer = Quantizer::from_step(level_bits.into(), f32::from_bits(step_bits))
+        .ok_or(DecodeError::Header { field: HeaderField::Step, found: step_bits })?;
+    expect(HeaderField::RangeBound, bound_bits, |bits| bits == quantizer.range_bound_m().to_bits())?;
+    Ok(quantizer)
+}
+
+fn view_of(fields: &mut Fields<'_>) -> Result<UniformView, DecodeError> {
+    let found = fields.u32()?;
+    let mut next = || fields.u32().map(f32::from_bits);
+    let (bottom_rad, start_rad, span_rad) = (next()?, next()?, next()?);
+    let view = UniformView { top_rad: f32::from_bits(found), bottom_rad, start_rad, span_rad };
+    match view.check() {
+        Ok(()) => Ok(view),
+        Err(_) => Err(DecodeError::Header { field: HeaderField::GeometryView, found }),
+    }
+}
+
+fn expect<T: Copy + Into<u32>>(field: HeaderField, found: T, right: impl Fn(T) -> bool) -> Result<T, DecodeError> {
+    if right(found) { Ok(found) } else { Err(DecodeError::Header { field, found: found.into() }) }
+}
+
+impl<'a> ParsedFrame<'a> {
+    /// The strips in order; checked to cover every column once, and nothing to follow the last.
+    pub fn strips(&self) -> impl Iterator<Item = Result<Strip<'a>, DecodeError>> + use<'a> {
+        let (header, mut left, mut next_column) = (self.header, self.strips, 0);
+        let mut fields = Fields { bytes: self.body, at: 0 };
+        core::iter::from_fn(move || {
+            left = left.checked_sub(1)?;
+            let strip = next_strip(&mut fields, header.columns, &mut next_column, left == 0);
+            left = if strip.is_err() { 0 } else { left };
+            Some(strip)
+        })
+    }
+}
+
+fn next_strip<'a>(
+    fields: &mut Fields<'a>,
+    columns_in_all: u16,
+    next_column: &mut u32,
+    last: bool,
+) -> Result<Strip<'a>, DecodeError> {
+    let (first_column, columns, payload_len) = (fields.u16()?, fields.u16()?, fields.u32()?);
+    if u32::from(first_column) != *next_column {
+        return Err(DecodeError::StripOrder { found: first_column.into(), expected: *next_column });
+    }
+    *next_column += u32::from(columns);
+    let fits = if last { *next_column == columns_in_all.into() } else { *next_column < columns_in_all.into() };
+    expect(HeaderField::StripColumns, columns, |columns| columns > 0 && fits)?;
+    let payload = fields.take(payload_len as usize)?;
+    let behind = fields.bytes.len() - fields.at;
+    if last && behind > 0 {
+        return Err(DecodeError::TrailingBytes { frame_len: fields.at, have: fields.bytes.len() });
+    }
+    Ok(Strip { first_column, columns, payload })
+}
+
+/// A cursor over little-endian fields.
+#[derive(Debug)]
+struct Fields<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Fields<'a> {
+    fn take(&mut self, len: usize) -> Result<&'a [u8], DecodeError> {
+        let need = self.at.saturating_add(len);
+        let field = self.bytes.get(self.at..need);
+        let field = field.ok_or(DecodeError::Truncated { need, have: self.bytes.len() })?;
+        self.at = need;
+        Ok(field)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    fn u8(&mut self) -> Result<u8, DecodeError> {
+        self.array().map(|[byte]| byte)
+    }
+
+    fn u16(&mut self) -> Result<u16, DecodeError> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Result<u32, DecodeError> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Result<u64, DecodeError> {
+        self.array().map(u64::from_le_bytes)
+    }
+}

@@ -1,0 +1,131 @@
+//! Where points come from: anything that can hand out blocks of x, y, z lanes.
+
+/// Points in one [`Block`]: a multiple of every vector width in use, and small enough for the stack of a
+/// microcontroller (a block and its results are under 1 KB).
+pub const BLOCK_LEN: usize = 32;
+
+/// x, y, z of [`BLOCK_LEN`] points in separate lanes, meters, sensor frame (x forward, y left, z up).
+#[derive(Debug, Clone)]
+pub struct Block {
+    /// Forward, meters.
+    pub x: [f32; BLOCK_LEN],
+    /// Left, meters.
+    pub y: [f32; BLOCK_LEN],
+    /// Up, meters.
+    pub z: [f32; BLOCK_LEN],
+}
+
+impl Block {
+    /// A block of points at the origin, which are no returns.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { x: [0.0; BLOCK_LEN], y: [0.0; BLOCK_LEN], z: [0.0; BLOCK_LEN] }
+    }
+
+    /// Fills the lanes from `points` and gives how many were filled; the rest keep what they held.
+    pub fn fill(&mut self, points: impl Iterator<Item = [f32; 3]>) -> usize {
+        let lanes = self.x.iter_mut().zip(&mut self.y).zip(&mut self.z);
+        let mut filled = 0;
+        for (((x, y), z), point) in lanes.zip(points) {
+            [*x, *y, *z] = point;
+            filled += 1;
+        }
+        filled
+    }
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A source of points that can be read any number of times.
+///
+/// Implemented for slices of `[f32; 3]` (x, y, z) and `[f32; 4]` (x, y, z, and anything, as in KITTI files), and
+/// for [`StridedPoints`], which reads x, y, z out of any record layout.
+pub trait Points {
+    /// Calls `each` with blocks of up to [`BLOCK_LEN`] points, in order; the second argument says how many lanes
+    /// of the block hold points.
+    fn for_each_block(&self, each: impl FnMut(&Block, usize));
+}
+
+fn in_blocks(mut points: impl ExactSizeIterator<Item = [f32; 3]>, mut each: impl FnMut(&Block, usize)) {
+    let mut block = Block::new();
+    while points.len() > 0 {
+        let len = block.fill(points.by_ref().take(BLOCK_LEN));
+        each(&block, len);
+    }
+}
+
+impl Points for [[f32; 3]] {
+    fn for_each_block(&self, each: impl FnMut(&Block, usize)) {
+        in_blocks(self.iter().copied(), each);
+    }
+}
+
+impl Points for [[f32; 4]] {
+    fn for_each_block(&self, each: impl FnMut(&Block, usize)) {
+        in_blocks(self.iter().map(|&[x, y, z, _]| [x, y, z]), each);
+    }
+}
+
+/// Points in records of `stride` bytes, each starting with x, y, z as little-endian `f32`: a ROS `PointCloud2`,
+/// a C array of structures, a KITTI file as read.
+///
+/// ```
+/// use flicr::{Points, StridedPoints};
+/// let bytes = [0u8; 40]; // two records of 16 bytes, and 8 bytes that are no whole record
+/// let points = StridedPoints::new(&bytes, 16).unwrap();
+/// assert_eq!((points.len(), points.remainder_len()), (2, 8));
+/// assert!(StridedPoints::new(&bytes, 11).is_none()); // x, y, z alone take 12
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct StridedPoints<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+}
+
+impl<'a> StridedPoints<'a> {
+    /// `None` where a record could not hold x, y, z: `stride` must be at least 12.
+    #[must_use]
+    pub const fn new(bytes: &'a [u8], stride: usize) -> Option<Self> {
+        if stride < 12 { None } else { Some(Self { bytes, stride }) }
+    }
+
+    /// Whole records.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.bytes.len() / self.stride
+    }
+
+    /// Whether there is no whole record.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes after the last whole record; they are not read.
+    #[must_use]
+    pub const fn remainder_len(&self) -> usize {
+        self.bytes.len() % self.stride
+    }
+}
+
+impl Points for StridedPoints<'_> {
+    fn for_each_block(&self, each: impl FnMut(&Block, usize)) {
+        in_blocks(self.bytes.chunks_exact(self.stride).map(read_xyz), each);
+    }
+}
+
+fn read_xyz(record: &[u8]) -> [f32; 3] {
+    match record {
+        &[x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, ..] => [
+            f32::from_le_bytes([x0, x1, x2, x3]),
+            f32::from_le_bytes([y0, y1, y2, y3]),
+            f32::from_le_bytes([z0, z1, z2, z3]),
+        ],
+        // `new` admits no shorter record.
+        _ => [0.0; 3],
+    }
+}
