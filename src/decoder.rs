@@ -1,5 +1,6 @@
 //! The mirror image of the encoder: frame -> payload -> range image -> points.
 
+use std::vec;
 use std::vec::Vec;
 
 use crate::coder::{self, CoderId};
@@ -177,10 +178,54 @@ impl Frame<'_> {
         let Some(image) = ImageView::new(levels, self.header.columns.into()) else { return };
         points.reserve(image.occupied());
         let quantizer = self.header.quantizer;
-        for (row, levels) in (0..).zip(levels.chunks_exact(image.columns())) {
-            let pixels = levels.iter().zip(self.sphere.row(row));
-            let occupied = pixels.filter(|(level, _)| **level != L::NONE);
-            points.extend(occupied.map(|(level, direction)| direction.at(quantizer.range_m(level.get()))));
+        let mut returns = RowReturns::new(image.columns());
+        for (row, levels) in levels.chunks_exact(image.columns()).enumerate() {
+            let directions = self.sphere.row(row);
+            let found = returns.gather(levels);
+            points.extend(found.iter().map(|&(column, level)| directions.at(column, quantizer.range_m(level))));
         }
+    }
+}
+
+/// The returns of a row: column and level, one after the other.
+struct RowReturns {
+    found: Vec<(u16, u16)>,
+}
+
+/// Pixels that are gathered together; that many entries are written behind the last return.
+const GATHERED: usize = 8;
+
+impl RowReturns {
+    fn new(columns: usize) -> Self {
+        Self { found: vec![(0, 0); columns + GATHERED] }
+    }
+
+    /// Picks the returns out of a row without a branch a pixel: every pixel is written, the place moves on only
+    /// behind a return.
+    fn gather<L: Level>(&mut self, levels: &[L]) -> &[(u16, u16)] {
+        let (chunks, rest) = levels.as_chunks::<GATHERED>();
+        let mut count = 0;
+        for (column, chunk) in (0..).step_by(GATHERED).zip(chunks) {
+            if *chunk != [L::NONE; GATHERED] {
+                count += self.gather_chunk(count, column, chunk);
+            }
+        }
+        let mut last = [L::NONE; GATHERED];
+        last[..rest.len()].copy_from_slice(rest);
+        count += self.gather_chunk(count, (levels.len() - rest.len()) as u16, &last);
+        &self.found[..count]
+    }
+
+    #[inline]
+    fn gather_chunk<L: Level>(&mut self, at: usize, first_column: u16, chunk: &[L; GATHERED]) -> usize {
+        let Some(places) = self.found.get_mut(at..).and_then(|rest| rest.first_chunk_mut::<GATHERED>()) else {
+            return 0;
+        };
+        let mut taken = 0;
+        for (offset, &level) in (0..).zip(chunk) {
+            places[taken % GATHERED] = (first_column + offset, level.get());
+            taken += usize::from(level != L::NONE);
+        }
+        taken
     }
 }

@@ -7,7 +7,7 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// A frame has 1 to 65,535 rows and as many columns.
+    /// A frame has 1 to 65,535 rows, as many columns, and at most 2^30 pixels.
     Size {
         /// Rows asked for.
         rows: usize,
@@ -194,7 +194,10 @@ impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Size { rows, columns } => {
-                write!(f, "a frame of {columns} x {rows} cannot be made: columns and rows must be 1 to 65535")
+                write!(
+                    f,
+                    "a frame of {columns} x {rows} cannot be made: columns and rows must be 1 to 65535, and 2^30 pixels at most"
+                )
             }
             Self::LevelBits { found, available } => {
                 write!(f, "levels of {found} bits asked for: expected 1 to {available}")

@@ -28,8 +28,12 @@ pub const OVERHEAD_LEN: usize = HEADER_LEN + STRIP_HEADER_LEN + CHECKSUM_LEN;
 const CORNER_FLAG: u8 = 1;
 const GEOMETRY_UNIFORM: u8 = 0;
 
-/// CRC-32 as in zip and Ethernet. The one-byte table costs 1 KB of flash.
-const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+/// CRC-32 as in zip and Ethernet: a table of 1 KB on the device, of 16 KB where there is room.
+static CRC: crc::Crc<u32, CrcTable> = crc::Crc::<u32, CrcTable>::new(&crc::CRC_32_ISO_HDLC);
+#[cfg(not(feature = "std"))]
+type CrcTable = crc::Table<1>;
+#[cfg(feature = "std")]
+type CrcTable = crc::Table<16>;
 
 /// Everything a decoder must know of a frame but its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +76,12 @@ impl Header {
         };
         put(&MAGIC);
         put(&[VERSION, if self.placement == Placement::Corner { CORNER_FLAG } else { 0 }]);
-        #[allow(clippy::cast_possible_truncation, reason = "64")]
         put(&(HEADER_LEN as u16).to_le_bytes());
         put(&frame_len.to_le_bytes());
         put(&self.sequence.to_le_bytes());
         put(&self.timestamp_ns.to_le_bytes());
         put(&self.rows.to_le_bytes());
         put(&self.columns.to_le_bytes());
-        #[allow(clippy::cast_possible_truncation, reason = "at most 16")]
         put(&[self.quantizer.level_bits() as u8, self.coder as u8]);
         put(&strips.to_le_bytes());
         put(&self.quantizer.step_m().to_le_bytes());

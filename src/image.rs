@@ -24,7 +24,6 @@ impl Level for u8 {
     fn get(self) -> u16 {
         u16::from(self)
     }
-    #[allow(clippy::cast_possible_truncation, reason = "documented: excess bits are cut off")]
     fn new(level: u16) -> Self {
         level as u8
     }

@@ -1,8 +1,8 @@
 //! Points into the range image: project, quantize, settle collisions, count.
 
-use crate::geometry::{Cells, Projection};
+use crate::geometry::{Pixels, Projection};
 use crate::image::{ImageViewMut, Level};
-use crate::point::{Block, Points};
+use crate::point::{BLOCK_LEN, Block, Points};
 use crate::quantize::{OutOfScale, Quantizer};
 use crate::tally::Tally;
 
@@ -54,72 +54,69 @@ pub fn insert<L: Level>(
     image: &mut ImageViewMut<'_, L>,
     tally: &mut Tally,
 ) {
-    let rows = u32::from(projection.rows());
-    let mut inserter = Inserter { quantizer, policy, rows, image, tally };
-    let mut cells = Cells::new();
+    let mut inserter = Inserter { quantizer, policy, levels: image.levels(), tally };
+    let mut pixels = Pixels::new();
     points.for_each_block(|block, len| {
-        projection.project(block, &mut cells);
-        inserter.insert_block(block, &cells, len);
+        projection.project(block, &mut pixels);
+        inserter.insert_block(block, &pixels, len);
     });
 }
 
-struct Inserter<'a, 'i, L: Level> {
+struct Inserter<'a, L: Level> {
     quantizer: &'a Quantizer,
     policy: Policy,
-    rows: u32,
-    image: &'a mut ImageViewMut<'i, L>,
+    levels: &'a mut [L],
     tally: &'a mut Tally,
 }
 
-impl<L: Level> Inserter<'_, '_, L> {
+impl<L: Level> Inserter<'_, L> {
     #[inline]
-    fn insert_block(&mut self, block: &Block, cells: &Cells, len: usize) {
-        let xyz = block.x.iter().zip(&block.y).zip(&block.z);
-        let lanes = cells.column.iter().zip(&cells.row_from_one).zip(&cells.range_m);
-        for (((&column, &row_from_one), &range_m), ((x, y), z)) in lanes.zip(xyz).take(len) {
-            self.tally.points += 1;
-            match self.quantizer.level(range_m) {
-                Ok(level) => self.insert_one(column, row_from_one, L::new(level)),
-                Err(out_of_scale) => self.count_refused(out_of_scale, range_m, [*x, *y, *z]),
+    fn insert_block(&mut self, block: &Block, pixels: &Pixels, len: usize) {
+        let mut levels = [0_u32; BLOCK_LEN];
+        for (level, &range_m) in levels.iter_mut().zip(&pixels.range_m) {
+            *level = self.quantizer.rounded(range_m);
+        }
+        let max_level = u32::from(self.quantizer.max_level());
+        let len = len.min(BLOCK_LEN);
+        self.tally.points += len as u32;
+        for (i, &level) in levels.iter().enumerate().take(len) {
+            if level.wrapping_sub(1) < max_level {
+                self.insert_one(pixels.pixel[i], level as u16);
+            } else {
+                self.count_refused(pixels.range_m[i], [block.x[i], block.y[i], block.z[i]]);
             }
         }
     }
 
     #[inline]
-    fn insert_one(&mut self, column: u32, row_from_one: u32, level: L) {
-        let row_from_one = self.settle_row(row_from_one);
-        let columns = self.image.columns();
-        let pixel = (row_from_one.wrapping_sub(1) as usize).wrapping_mul(columns).wrapping_add(column as usize);
-        let in_view = row_from_one.wrapping_sub(1) < self.rows && column != Cells::OUT_OF_VIEW;
-        match self.image.levels().get_mut(pixel) {
-            Some(pixel) if in_view => {
+    fn insert_one(&mut self, pixel: u32, level: u16) {
+        let pixel = if pixel < Pixels::CLAMPED { pixel } else { self.settle_view(pixel) };
+        match self.levels.get_mut(pixel as usize) {
+            Some(pixel) => {
                 self.tally.collided += u32::from(*pixel != L::NONE);
-                *pixel = self.policy.collision.settle(*pixel, level);
+                *pixel = self.policy.collision.settle(*pixel, L::new(level));
             }
-            _ => self.tally.out_of_view += 1,
+            None => self.tally.out_of_view += 1,
         }
     }
 
-    #[inline]
-    fn settle_row(&mut self, row_from_one: u32) -> u32 {
-        match self.policy.out_of_view {
-            OutOfView::Drop => row_from_one,
-            OutOfView::Clamp => {
-                let clamped = row_from_one.clamp(1, self.rows);
-                self.tally.clamped += u32::from(clamped != row_from_one);
-                clamped
-            }
+    /// A pixel outside the elevations: clamped and counted, or out of the image.
+    #[cold]
+    fn settle_view(&mut self, pixel: u32) -> u32 {
+        if pixel == Pixels::OUT_OF_VIEW || self.policy.out_of_view == OutOfView::Drop {
+            return Pixels::OUT_OF_VIEW;
         }
+        self.tally.clamped += 1;
+        pixel & !Pixels::CLAMPED
     }
 
     #[cold]
-    fn count_refused(&mut self, out_of_scale: OutOfScale, range_m: f32, xyz: [f32; 3]) {
-        let counter = match out_of_scale {
-            // A NaN range is refused as too near (it rounds to 0), an infinite one as beyond.
+    fn count_refused(&mut self, range_m: f32, xyz: [f32; 3]) {
+        let counter = match self.quantizer.level(range_m) {
             _ if !xyz.iter().all(|c| c.is_finite()) => &mut self.tally.not_finite,
-            OutOfScale::TooNear if range_m == 0.0 => &mut self.tally.no_return,
-            OutOfScale::TooNear => &mut self.tally.too_near,
-            OutOfScale::Beyond => &mut self.tally.beyond_range,
+            Err(OutOfScale::TooNear) if range_m == 0.0 => &mut self.tally.no_return,
+            Err(OutOfScale::TooNear) => &mut self.tally.too_near,
+            _ => &mut self.tally.beyond_range,
         };
         *counter += 1;
     }

@@ -1,6 +1,7 @@
 //! Range to level and back, with the bound on what is lost in between.
 
 use crate::error::ConfigError;
+use crate::kernel::to_index;
 
 /// Uniform quantizer: level = range / step, rounded; range = level x step; level 0 = no return.
 ///
@@ -77,7 +78,6 @@ impl Quantizer {
 
     /// The largest level.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "level_bits is at most 16")]
     pub const fn max_level(&self) -> u16 {
         ((1_u32 << self.level_bits) - 1) as u16
     }
@@ -109,16 +109,14 @@ impl Quantizer {
         } else if level > u32::from(self.max_level()) {
             Err(OutOfScale::Beyond)
         } else {
-            #[allow(clippy::cast_possible_truncation, reason = "at most max_level")]
             Ok(level as u16)
         }
     }
 
-    /// Range / step to the nearest whole number, 0 and numbers above the largest level included.
+    /// Range / step to the nearest whole number, at most 2^16; NaN gives 0.
     #[inline]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, which is wanted")]
     pub(crate) fn rounded(&self, range_m: f32) -> u32 {
-        (range_m * self.steps_per_m + 0.5) as u32
+        to_index(range_m * self.steps_per_m + 0.5, 1 << 16)
     }
 
     /// The range of a level, meters.

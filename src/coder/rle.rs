@@ -104,7 +104,6 @@ fn put_copies<L: Level>(run: &[L], level: &L, sink: &mut Sink<'_>) -> Result<(),
     Ok(())
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "chunks are at most 128 long")]
 const fn count(n: usize) -> u8 {
     n as u8
 }

@@ -10,7 +10,7 @@
 
 use core::f32::consts::{FRAC_PI_2, PI};
 
-use crate::kernel::sqrt;
+use crate::kernel::{sqrt, to_index};
 
 /// Both tables with `NODES - 1` intervals each; `8 * NODES` bytes.
 #[derive(Debug)]
@@ -30,11 +30,6 @@ impl<const NODES: usize> AngleTables<NODES> {
 
     /// Computes both tables in double precision; meant for `static`s.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        reason = "f64 -> f32 is the rounding wanted"
-    )]
     pub const fn new() -> Self {
         let intervals = Self::INTERVALS as f64;
         let mut tables = Self { atan: [0.0; NODES], asin: [0.0; NODES] };
@@ -106,7 +101,7 @@ pub(crate) fn octant_ratio(y: f32, x: f32) -> f32 {
 pub(crate) fn unfold_octant(angle: f32, y: f32, x: f32) -> f32 {
     let first_quadrant = if x.abs() < y.abs() { FRAC_PI_2 - angle } else { angle };
     let upper_half = if x < 0.0 { PI - first_quadrant } else { first_quadrant };
-    if y < 0.0 { -upper_half } else { upper_half }
+    upper_half.copysign(y)
 }
 
 /// c where asin's table has it, else sqrt((1 - c) / 2); c from 0 to 1.
@@ -119,13 +114,12 @@ pub(crate) fn half_angle_argument(c: f32) -> f32 {
 #[inline]
 pub(crate) fn unfold_half_angle(near: f32, c: f32) -> f32 {
     let angle = if c.abs() > 0.5 { FRAC_PI_2 - 2.0 * near } else { near };
-    if c < 0.0 { -angle } else { angle }
+    angle.copysign(c)
 }
 
 #[inline]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, which is wanted")]
 fn interpolate<const NODES: usize>(table: &[f32; NODES], at: f32) -> f32 {
-    let node = (at as usize).min(NODES - 2);
+    let node = to_index(at, NODES as u32 - 2) as usize;
     let (low, high) = (table[node], table[node + 1]);
     low + (high - low) * (at - node as f32)
 }

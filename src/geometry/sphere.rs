@@ -18,11 +18,11 @@ struct SinCos {
     cos: f32,
 }
 
-/// The direction of a pixel.
+/// The directions of a row's pixels.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Direction {
+pub(crate) struct RowDirections<'a> {
     elevation: SinCos,
-    azimuth: SinCos,
+    columns: &'a [SinCos],
 }
 
 impl Sphere {
@@ -42,9 +42,8 @@ impl Sphere {
     }
 
     /// Directions of a row's pixels.
-    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = Direction> + '_ {
-        let elevation = self.rows[row];
-        self.columns.iter().map(move |&azimuth| Direction { elevation, azimuth })
+    pub(crate) fn row(&self, row: usize) -> RowDirections<'_> {
+        RowDirections { elevation: self.rows[row], columns: &self.columns }
     }
 }
 
@@ -54,18 +53,18 @@ fn fill(angles: &mut Vec<SinCos>, count: u16, angle_rad: impl Fn(f64) -> f64) {
 }
 
 impl SinCos {
-    #[allow(clippy::cast_possible_truncation, reason = "f64 -> f32 is the rounding wanted")]
     fn of(angle_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(angle_rad);
         Self { sin: sin as f32, cos: cos as f32 }
     }
 }
 
-impl Direction {
-    /// The point at `range_m` meters.
+impl RowDirections<'_> {
+    /// The point at `range_m` meters in a column.
     #[inline]
-    pub(crate) fn at(self, range_m: f32) -> [f32; 3] {
+    pub(crate) fn at(self, column: u16, range_m: f32) -> [f32; 3] {
+        let azimuth = self.columns[usize::from(column)];
         let ground_m = range_m * self.elevation.cos;
-        [ground_m * self.azimuth.cos, ground_m * self.azimuth.sin, range_m * self.elevation.sin]
+        [ground_m * azimuth.cos, ground_m * azimuth.sin, range_m * self.elevation.sin]
     }
 }

@@ -1,12 +1,15 @@
 //! The paper's geometry: rows and columns evenly spaced in elevation and azimuth.
 
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_6, PI, TAU};
 
 use super::angles::{self, AngleTables};
-use super::{Cells, Projection};
+use super::{Pixels, Projection};
 use crate::error::ConfigError;
 use crate::kernel;
 use crate::point::Block;
+
+/// Most pixels of an image: row-major places leave the two topmost bits to marks.
+const PIXELS_MAX: usize = 1 << 30;
 
 /// The part of the sphere that a [`UniformGrid`] divides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,8 +91,12 @@ pub struct UniformGrid<const NODES: usize = 257> {
     rows: u16,
     columns: u16,
     view: UniformView,
+    pub(crate) last_row: u32,
+    pub(crate) last_column: u32,
     pub(crate) rows_per_rad: f32,
     pub(crate) columns_per_rad: f32,
+    pub(crate) all_around: bool,
+    pub(crate) reaches_beyond_30_deg: bool,
     tables: &'static AngleTables<NODES>,
 }
 
@@ -108,14 +115,14 @@ impl<const NODES: usize> UniformGrid<NODES> {
     ///
     /// # Errors
     /// [`ConfigError::Size`], [`ConfigError::ElevationView`], [`ConfigError::AzimuthView`].
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "sizes are checked first")]
     pub const fn with_tables(
         rows: usize,
         columns: usize,
         view: UniformView,
         tables: &'static AngleTables<NODES>,
     ) -> Result<Self, ConfigError> {
-        if rows == 0 || rows > u16::MAX as usize || columns == 0 || columns > u16::MAX as usize {
+        let too_large = rows > u16::MAX as usize || columns > u16::MAX as usize || rows * columns > PIXELS_MAX;
+        if too_large || rows == 0 || columns == 0 {
             return Err(ConfigError::Size { rows, columns });
         }
         if let Err(error) = view.check() {
@@ -125,6 +132,10 @@ impl<const NODES: usize> UniformGrid<NODES> {
             rows: rows as u16,
             columns: columns as u16,
             view,
+            last_row: rows as u32 - 1,
+            last_column: columns as u32 - 1,
+            all_around: view.span_rad == TAU,
+            reaches_beyond_30_deg: view.top_rad > FRAC_PI_6 || view.bottom_rad < -FRAC_PI_6,
             rows_per_rad: rows as f32 / (view.top_rad - view.bottom_rad),
             columns_per_rad: columns as f32 / view.span_rad,
             tables,
@@ -153,7 +164,7 @@ impl<const NODES: usize> Projection for UniformGrid<NODES> {
         self.columns
     }
 
-    fn project(&self, block: &Block, cells: &mut Cells) {
-        kernel::project_uniform(self, block, cells);
+    fn project(&self, block: &Block, pixels: &mut Pixels) {
+        kernel::project_uniform(self, block, pixels);
     }
 }

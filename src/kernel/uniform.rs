@@ -1,69 +1,95 @@
-//! Points to cells of a uniform grid: three passes over lanes, without a branch a point.
+//! Points to pixels of a uniform grid, without a branch a point.
 //!
-//! The first and the last pass are arithmetic on whole lanes, which LLVM turns into vector instructions (NEON,
-//! SSE2); table look-ups, which those instruction sets do not have, stand alone between them.
+//! Three stages, each written once for one lane. Where the target has vectors, the stages are passes over whole
+//! blocks: arithmetic in the first and the last, which LLVM turns into vector instructions (NEON, SSE2), and between
+//! them the table look-ups, which those instruction sets do not have. A Cortex-M has no vectors but few registers:
+//! there the stages are one loop, and nothing goes through memory in between. Same operations, same results.
 
 use core::f32::consts::TAU;
 
-use crate::geometry::angles::{half_angle_argument, octant_ratio, unfold_half_angle, unfold_octant};
-use crate::geometry::{Cells, UniformGrid};
-use crate::kernel::sqrt;
+use crate::geometry::angles::{AngleTables, half_angle_argument, octant_ratio, unfold_half_angle, unfold_octant};
+use crate::geometry::{Pixels, UniformGrid};
+use crate::kernel::{sqrt, to_index};
 use crate::point::{BLOCK_LEN, Block};
 
-type Lane = [f32; BLOCK_LEN];
-
-/// The cell of every lane.
+/// The pixel and the range of every lane.
 #[inline(never)]
-pub(crate) fn project_uniform<const NODES: usize>(grid: &UniformGrid<NODES>, block: &Block, cells: &mut Cells) {
-    let mut azimuth: Lane = [0.0; BLOCK_LEN];
-    let mut sine: Lane = [0.0; BLOCK_LEN];
-    let mut elevation: Lane = [0.0; BLOCK_LEN];
-    to_ratios(block, &mut cells.range_m, &mut azimuth, &mut sine, &mut elevation);
-    to_angles(grid, &mut azimuth, &mut elevation);
-    to_cells(grid, block, &azimuth, &sine, &elevation, cells);
+pub(crate) fn project_uniform<const NODES: usize>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
+    if grid.reaches_beyond_30_deg {
+        project::<NODES, true>(grid, block, pixels);
+    } else {
+        project::<NODES, false>(grid, block, pixels);
+    }
 }
 
 #[inline(always)]
-fn to_ratios(block: &Block, range_m: &mut Lane, octant: &mut Lane, sine: &mut Lane, near: &mut Lane) {
+#[cfg(not(target_arch = "arm"))]
+fn project<const NODES: usize, const WIDE: bool>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
+    const ZERO: [f32; BLOCK_LEN] = [0.0; BLOCK_LEN];
+    let (mut octant, mut sine, mut near) = (ZERO, ZERO, ZERO);
     for i in 0..BLOCK_LEN {
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
-        range_m[i] = sqrt(x * x + y * y + z * z);
-        octant[i] = octant_ratio(y, x);
-        sine[i] = z / range_m[i];
-        near[i] = half_angle_argument(sine[i].abs());
+        (pixels.range_m[i], octant[i], sine[i], near[i]) = to_ratios::<WIDE>(x, y, z);
     }
-}
-
-#[inline(always)]
-fn to_angles<const NODES: usize>(grid: &UniformGrid<NODES>, octant: &mut Lane, near: &mut Lane) {
-    let tables = grid.tables();
-    for (octant, near) in octant.iter_mut().zip(near) {
-        *octant = tables.atan_unit(*octant);
-        *near = tables.asin_half(*near);
+    for (octant, near) in octant.iter_mut().zip(&mut near) {
+        (*octant, *near) = look_up(grid.tables(), *octant, *near);
     }
-}
-
-#[inline(always)]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, which is wanted")]
-fn to_cells<const NODES: usize>(
-    grid: &UniformGrid<NODES>,
-    block: &Block,
-    octant: &Lane,
-    sine: &Lane,
-    near: &Lane,
-    cells: &mut Cells,
-) {
-    use crate::geometry::Projection;
-    let view = grid.view();
-    let last_column = u32::from(grid.columns()) - 1;
     for i in 0..BLOCK_LEN {
-        let from_start = unfold_octant(octant[i], block.y[i], block.x[i]) - view.start_rad;
-        let not_negative = if from_start < 0.0 { from_start + TAU } else { from_start };
-        let in_turn = if not_negative < TAU { not_negative } else { not_negative - TAU };
-        // The product may round up to the column behind the last.
-        let column = ((in_turn * grid.columns_per_rad) as u32).min(last_column);
-        cells.column[i] = if in_turn < view.span_rad { column } else { Cells::OUT_OF_VIEW };
-        let from_top = view.top_rad - unfold_half_angle(near[i], sine[i]);
-        cells.row_from_one[i] = (from_top * grid.rows_per_rad + 1.0) as u32;
+        let azimuth = unfold_octant(octant[i], block.y[i], block.x[i]);
+        pixels.pixel[i] = to_pixel(grid, azimuth, unfold_elevation::<WIDE>(near[i], sine[i]));
     }
+}
+
+#[inline(always)]
+#[cfg(target_arch = "arm")]
+fn project<const NODES: usize, const WIDE: bool>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
+    for i in 0..BLOCK_LEN {
+        let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
+        let (range_m, octant, sine, near) = to_ratios::<WIDE>(x, y, z);
+        let (octant, near) = look_up(grid.tables(), octant, near);
+        let azimuth = unfold_octant(octant, y, x);
+        pixels.range_m[i] = range_m;
+        pixels.pixel[i] = to_pixel(grid, azimuth, unfold_elevation::<WIDE>(near, sine));
+    }
+}
+
+/// The range; min(|x|, |y|) / max(|x|, |y|); z / range; and what the arc sine's table has of that.
+#[inline(always)]
+fn to_ratios<const WIDE: bool>(x: f32, y: f32, z: f32) -> (f32, f32, f32, f32) {
+    let range_m = sqrt(x * x + y * y + z * z);
+    let sine = z / range_m;
+    let near = if WIDE { half_angle_argument(sine.abs()) } else { sine.abs() };
+    (range_m, octant_ratio(y, x), sine, near)
+}
+
+#[inline(always)]
+fn look_up<const NODES: usize>(tables: &AngleTables<NODES>, octant: f32, near: f32) -> (f32, f32) {
+    (tables.atan_unit(octant), tables.asin_half(near))
+}
+
+#[inline(always)]
+fn unfold_elevation<const WIDE: bool>(near: f32, sine: f32) -> f32 {
+    if WIDE { unfold_half_angle(near, sine) } else { near.copysign(sine) }
+}
+
+#[inline(always)]
+fn to_pixel<const NODES: usize>(grid: &UniformGrid<NODES>, azimuth: f32, elevation: f32) -> u32 {
+    let from_start = azimuth - grid.view().start_rad;
+    let in_turn = if from_start < 0.0 { from_start + TAU } else { from_start };
+    let column = to_index(in_turn * grid.columns_per_rad, grid.last_column + 1);
+    let from_top = grid.view().top_rad - elevation;
+    let row_from_one = to_index(from_top * grid.rows_per_rad + 1.0, grid.last_row + 2);
+    place(grid, row_from_one, column)
+}
+
+/// Row-major place of a pixel; rows above and below are clamped into the edge rows and marked so.
+#[inline(always)]
+fn place<const NODES: usize>(grid: &UniformGrid<NODES>, row_from_one: u32, column: u32) -> u32 {
+    let above_or_row = row_from_one.wrapping_sub(1);
+    let row = if row_from_one == 0 { 0 } else { above_or_row.min(grid.last_row) };
+    let mark = if above_or_row > grid.last_row { Pixels::CLAMPED } else { 0 };
+    let pixel = (row * (grid.last_column + 1) + column) | mark;
+    // The column behind the last is the first again, or out of view.
+    let behind = if grid.all_around { pixel - column } else { Pixels::OUT_OF_VIEW };
+    if column > grid.last_column { behind } else { pixel }
 }

@@ -1,0 +1,122 @@
+//! The paper's codec against the plain baseline, paired in one run: `cargo bench --features std --bench paper`.
+#![allow(missing_docs)]
+
+mod baseline;
+
+use std::time::{Duration, Instant};
+
+use flicr::{Config, Decoder, FrameEncoder, ImageViewMut, Limits, Rle, Scale, Stamp, encode};
+
+const COLUMNS: usize = 4500;
+const ROUNDS: usize = 40;
+
+fn main() {
+    let scan = scan();
+    let mut ours = Ours::new();
+    let mut theirs = Theirs::new();
+    let rows = [
+        ("projection", ratio(|| ours.project(&scan), || theirs.project(&scan))),
+        ("encode", ratio(|| ours.encode(&scan), || theirs.encode(&scan))),
+        ("decode", ratio(|| ours.decode(), || theirs.decode())),
+    ];
+    println!("{} points, {COLUMNS} x 64, medians of {ROUNDS} pairs", scan.len());
+    println!("{:12} {:>10} {:>12} {:>8}", "stage", "flicr us", "baseline us", "ratio");
+    for (stage, (ours, theirs, ratio)) in rows {
+        println!("{stage:12} {:10} {:12} {ratio:8.3}", ours.as_micros(), theirs.as_micros());
+    }
+}
+
+fn scan() -> Vec<[f32; 4]> {
+    let data = std::env::var("FLICR_DATA").unwrap_or("../shared/data".into());
+    let bytes = std::fs::read(format!("{data}/kitti/drive/000003.bin")).unwrap();
+    bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
+}
+
+fn ratio(mut ours: impl FnMut(), mut theirs: impl FnMut()) -> (Duration, Duration, f64) {
+    let mut pairs: Vec<_> = (0..ROUNDS).map(|_| (time(&mut ours), time(&mut theirs))).collect();
+    let mut ratios: Vec<f64> = pairs.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
+    ratios.sort_by(f64::total_cmp);
+    pairs.sort();
+    let ours = pairs[ROUNDS / 2].0;
+    pairs.sort_by_key(|pair| pair.1);
+    (ours, pairs[ROUNDS / 2].1, ratios[ROUNDS / 2])
+}
+
+fn time(work: &mut impl FnMut()) -> Duration {
+    let start = Instant::now();
+    work();
+    start.elapsed()
+}
+
+struct Ours {
+    levels: Vec<u8>,
+    coder: Rle,
+    out: Vec<u8>,
+    decoder: Decoder,
+    points: Vec<[f32; 3]>,
+}
+
+impl Ours {
+    fn new() -> Self {
+        Self {
+            levels: vec![0; 64 * COLUMNS],
+            coder: Rle::new(),
+            out: vec![0; 400_000],
+            decoder: Decoder::new(Limits::default()),
+            points: Vec::new(),
+        }
+    }
+
+    fn project(&mut self, scan: &[[f32; 4]]) {
+        let config = Config { scale: Scale::Fixed { max_range_m: 80.0 }, ..Config::PAPER };
+        let image = ImageViewMut::new(&mut self.levels, COLUMNS).unwrap();
+        let mut frame = FrameEncoder::start(&config, Stamp::default(), image, &mut self.coder).unwrap();
+        frame.insert(scan);
+        std::hint::black_box(frame.tally());
+    }
+
+    fn encode(&mut self, scan: &[[f32; 4]]) {
+        let image = ImageViewMut::new(&mut self.levels, COLUMNS).unwrap();
+        let encoded = encode(&Config::PAPER, scan, Stamp::default(), image, &mut self.coder, &mut self.out).unwrap();
+        std::hint::black_box(encoded);
+    }
+
+    fn decode(&mut self) {
+        let len = flicr::frame::frame_len(&self.out).unwrap();
+        let frame = self.decoder.decode(&self.out[..len]).unwrap();
+        frame.points_into(&mut self.points);
+        std::hint::black_box(&self.points);
+    }
+}
+
+struct Theirs {
+    image: Vec<f32>,
+    levels: Vec<u8>,
+    max: f32,
+    bytes: Vec<u8>,
+    points: Vec<[f32; 3]>,
+}
+
+impl Theirs {
+    fn new() -> Self {
+        let pixels = baseline::ROWS * COLUMNS;
+        Self { image: vec![0.0; pixels], levels: vec![0; pixels], max: 0.0, bytes: Vec::new(), points: Vec::new() }
+    }
+
+    fn project(&mut self, scan: &[[f32; 4]]) {
+        baseline::project(scan, COLUMNS, &mut self.image);
+        std::hint::black_box(&self.image);
+    }
+
+    fn encode(&mut self, scan: &[[f32; 4]]) {
+        baseline::project(scan, COLUMNS, &mut self.image);
+        self.max = baseline::quantize(&self.image, &mut self.levels);
+        self.bytes = baseline::deflate(&self.levels, 1);
+    }
+
+    fn decode(&mut self) {
+        baseline::inflate(&self.bytes, &mut self.levels);
+        baseline::reconstruct(&self.levels, COLUMNS, self.max, &mut self.image, &mut self.points);
+        std::hint::black_box(&self.points);
+    }
+}
