@@ -28,7 +28,7 @@ pub struct Config<const NODES: usize = 257> {
     pub view: UniformView,
     /// Where in its pixel a decoded point is put.
     pub placement: Placement,
-    /// Bits of a level: 1 to 8 in an image of `u8`, to 16 in one of `u16`.
+    /// Bits of a level: 1 to 8 in an image of `u8`, 9 to 16 in one of `u16`.
     pub level_bits: u32,
     /// Range of the largest level.
     pub scale: Scale,

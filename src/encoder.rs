@@ -167,8 +167,8 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
         let Scale::Fixed { max_range_m } = config.scale else {
             return Err(EncodeError::ScaleNeedsWholeScan);
         };
-        if config.level_bits > L::BITS {
-            return Err(ConfigError::LevelBits { found: config.level_bits, available: L::BITS }.into());
+        if !(L::BITS_MIN..=L::BITS).contains(&config.level_bits) {
+            return Err(ConfigError::LevelBits { found: config.level_bits, min: L::BITS_MIN, max: L::BITS }.into());
         }
         let quantizer = Quantizer::new(config.level_bits, max_range_m)?;
         let view = image.as_view();

@@ -14,12 +14,14 @@ pub enum ConfigError {
         /// Columns asked for.
         columns: usize,
     },
-    /// Levels have 1 to 16 bits, and no more than the image's pixel type holds.
+    /// Levels have 1 to 8 bits in an image of `u8`, 9 to 16 in one of `u16`.
     LevelBits {
         /// Bits asked for.
         found: u32,
-        /// Bits the pixel type holds.
-        available: u32,
+        /// Fewest bits for the pixel type.
+        min: u32,
+        /// Most bits for the pixel type.
+        max: u32,
     },
     /// The largest range must be a positive, finite number of meters.
     MaxRange {
@@ -199,8 +201,8 @@ impl fmt::Display for ConfigError {
                     "a frame of {columns} x {rows} cannot be made: columns and rows must be 1 to 65535, and 2^30 pixels at most"
                 )
             }
-            Self::LevelBits { found, available } => {
-                write!(f, "levels of {found} bits asked for: expected 1 to {available}")
+            Self::LevelBits { found, min, max } => {
+                write!(f, "levels of {found} bits asked for: expected {min} to {max}")
             }
             Self::MaxRange { found_m } => {
                 write!(f, "a largest range of {found_m} m asked for: expected a positive, finite number")

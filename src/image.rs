@@ -6,10 +6,12 @@ mod sealed {
     impl Sealed for u16 {}
 }
 
-/// A pixel type: `u8` for levels of up to 8 bits, `u16` for up to 16. 0 is no return.
+/// A pixel type: `u8` for levels of 1 to 8 bits, `u16` for 9 to 16. 0 is no return.
 pub trait Level: Copy + Eq + Ord + bytemuck::Pod + sealed::Sealed {
-    /// Bits a level can have.
+    /// Most bits a level can have.
     const BITS: u32;
+    /// Fewest bits a level can have: with fewer, the smaller type is used.
+    const BITS_MIN: u32;
     /// No return.
     const NONE: Self;
     /// The level as a number.
@@ -20,6 +22,7 @@ pub trait Level: Copy + Eq + Ord + bytemuck::Pod + sealed::Sealed {
 
 impl Level for u8 {
     const BITS: u32 = 8;
+    const BITS_MIN: u32 = 1;
     const NONE: Self = 0;
     fn get(self) -> u16 {
         u16::from(self)
@@ -31,6 +34,7 @@ impl Level for u8 {
 
 impl Level for u16 {
     const BITS: u32 = 16;
+    const BITS_MIN: u32 = 9;
     const NONE: Self = 0;
     fn get(self) -> u16 {
         self

@@ -44,7 +44,7 @@ impl Quantizer {
     /// positive and finite and so is its step.
     pub const fn new(level_bits: u32, max_range_m: f32) -> Result<Self, ConfigError> {
         if level_bits < 1 || level_bits > 16 {
-            return Err(ConfigError::LevelBits { found: level_bits, available: 16 });
+            return Err(ConfigError::LevelBits { found: level_bits, min: 1, max: 16 });
         }
         let max_level = (1_u32 << level_bits) - 1;
         match Self::from_step(level_bits, max_range_m / max_level as f32) {
