@@ -144,7 +144,7 @@ fn place_strip<L: Level>(strip: &[L], strip_columns: usize, levels: &mut [L], co
     }
 }
 
-impl Frame<'_> {
+impl<'a> Frame<'a> {
     /// What the frame says of itself.
     #[must_use]
     pub const fn header(&self) -> &Header {
@@ -153,7 +153,7 @@ impl Frame<'_> {
 
     /// Levels, row-major, 0 = no return.
     #[must_use]
-    pub const fn levels(&self) -> &Levels {
+    pub const fn levels(&self) -> &'a Levels {
         self.levels
     }
 

@@ -1,0 +1,246 @@
+//! Promise: whatever the bytes, decoding ends in an error value or an image within the limits. Nothing panics, nothing
+//! is read or taken beyond what the caller allows, and no damage passes for a frame.
+#![allow(missing_docs)]
+
+mod common;
+
+use flicr::{
+    Coder, CoderId, Config, DecodeError, Decoder, HeaderField, ImageViewMut, LimitKind, Limits, PayloadFault, Rle,
+    Stamp, Store, encode, frame,
+};
+use proptest::prelude::*;
+
+const COLUMNS: usize = 64;
+
+fn frame_by<C: Coder<u8>>(mut coder: C) -> Vec<u8> {
+    let mut levels = vec![0_u8; 64 * COLUMNS];
+    let image = ImageViewMut::new(&mut levels, COLUMNS).unwrap();
+    let mut out = vec![0; frame::worst_case_len::<u8, C>(64 * COLUMNS)];
+    let points = common::spiral(800);
+    let encoded = encode(&Config::UNIFORM, points.as_slice(), Stamp::default(), image, &mut coder, &mut out).unwrap();
+    out.truncate(encoded.len);
+    out
+}
+
+fn frames() -> [Vec<u8>; 2] {
+    [frame_by(Store::new()), frame_by(Rle::new())]
+}
+
+fn error(bytes: &[u8]) -> DecodeError {
+    Decoder::default().decode(bytes).unwrap_err()
+}
+
+/// `bytes` with a checksum that fits, so that what lies behind it is looked at.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let body = bytes.len() - 4;
+    let mut crc = crc32_bitwise(&bytes[..body]).to_le_bytes();
+    bytes[body..].swap_with_slice(&mut crc);
+    bytes
+}
+
+/// CRC-32 by its definition, one bit at a time.
+fn crc32_bitwise(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(!0, |crc: u32, &byte| (0..8).fold(crc ^ u32::from(byte), step))
+}
+
+fn with(bytes: &[u8], at: usize, new: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    bytes[at..at + new.len()].copy_from_slice(new);
+    bytes
+}
+
+#[test]
+fn truncated_at_every_length() {
+    for bytes in frames() {
+        for have in 0..bytes.len() {
+            let error = error(&bytes[..have]);
+            assert!(matches!(error, DecodeError::Truncated { need, have: h } if h == have && need > have), "{error:?}");
+        }
+    }
+}
+
+#[test]
+fn every_single_bit_flipped() {
+    for mut bytes in frames() {
+        for bit in 0..bytes.len() * 8 {
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            error(&bytes);
+            bytes[bit / 8] ^= 1 << (bit % 8);
+        }
+        assert!(Decoder::default().decode(&bytes).is_ok());
+    }
+}
+
+#[test]
+fn a_damaged_body_is_named_as_such() {
+    for mut bytes in frames() {
+        let at = bytes.len() / 2;
+        bytes[at] ^= 0x10;
+        assert!(matches!(error(&bytes), DecodeError::Checksum { .. }));
+    }
+}
+
+#[test]
+fn wrong_magic_and_version() {
+    let [bytes, _] = frames();
+    assert_eq!(error(&with(&bytes, 0, b"GLCR")), DecodeError::Magic { found: *b"GLCR" });
+    assert_eq!(error(&with(&bytes, 4, &[9])), DecodeError::Version { found: 9, supported: 1 });
+    assert_eq!(error(b"ply\nformat ascii"), DecodeError::Magic { found: *b"ply\n" });
+}
+
+#[test]
+fn wrong_header_fields_are_named() {
+    let [bytes, _] = frames();
+    let nan = f32::NAN.to_le_bytes();
+    let cases: [(usize, &[u8], HeaderField); 17] = [
+        (5, &[2], HeaderField::Flags),
+        (6, &[63, 0], HeaderField::HeaderLen),
+        (8, &[75, 0, 0, 0], HeaderField::FrameLen),
+        (24, &[0, 0], HeaderField::Rows),
+        (26, &[0, 0], HeaderField::Columns),
+        (28, &[0], HeaderField::LevelBits),
+        (28, &[17], HeaderField::LevelBits),
+        (29, &[200], HeaderField::Coder),
+        (30, &[0, 0], HeaderField::Strips),
+        (30, &[65, 0], HeaderField::Strips),
+        (32, &nan, HeaderField::Step),
+        (32, &[0; 4], HeaderField::Step),
+        (36, &nan, HeaderField::RangeBound),
+        (44, &[7], HeaderField::GeometryKind),
+        (45, &[1], HeaderField::Reserved),
+        (48, &nan, HeaderField::GeometryView),
+        (60, &nan, HeaderField::GeometryView),
+    ];
+    for (at, new, expected) in cases {
+        let found = error(&with(&bytes, at, new));
+        assert!(matches!(found, DecodeError::Header { field, .. } if field == expected), "{at}: {found:?}");
+        assert!(found.to_string().contains(&format!("{expected:?}")));
+    }
+}
+
+#[test]
+fn a_gigantic_claim_costs_nothing() {
+    let [bytes, _] = frames();
+    let huge = sealed(with(&bytes, 24, &[0xff; 4]));
+    let claimed = 65_535 * 65_535;
+    let limit = DecodeError::Limit { limit: LimitKind::Pixels, found: claimed, allowed: 4 << 20 };
+    assert_eq!(error(&huge), limit);
+    let long = with(&bytes, 8, &[0xff; 4]);
+    assert_eq!(error(&long), DecodeError::Truncated { need: 0xffff_ffff, have: bytes.len() });
+    let small = Limits { frame_len: 100, pixels: 64 * COLUMNS };
+    let limit = DecodeError::Limit { limit: LimitKind::FrameLen, found: bytes.len() as u64, allowed: 100 };
+    assert_eq!(Decoder::new(small).decode(&bytes).unwrap_err(), limit);
+    let exact = Limits { frame_len: bytes.len(), pixels: 64 * COLUMNS };
+    assert!(Decoder::new(exact).decode(&bytes).is_ok());
+    assert!(Decoder::new(Limits { pixels: 64 * COLUMNS - 1, ..exact }).decode(&bytes).is_err());
+}
+
+#[test]
+fn trailing_bytes() {
+    for bytes in frames() {
+        let (frame_len, have) = (bytes.len(), bytes.len() + 1);
+        let longer = [bytes.as_slice(), &[0]].concat();
+        assert_eq!(error(&longer), DecodeError::TrailingBytes { frame_len, have });
+        assert_eq!(frame::frame_len(&longer), Ok(frame_len));
+    }
+}
+
+#[test]
+fn strips_out_of_order_or_short() {
+    let [bytes, _] = frames();
+    let case = |at, new: &[u8]| error(&sealed(with(&bytes, at, new)));
+    assert_eq!(case(64, &[1, 0]), DecodeError::StripOrder { found: 1, expected: 0 });
+    for columns in [0, 63, 65] {
+        let found = case(66, &[columns, 0]);
+        assert!(matches!(found, DecodeError::Header { field: HeaderField::StripColumns, .. }), "{found:?}");
+    }
+    assert!(matches!(case(68, &[0xff; 4]), DecodeError::Truncated { .. }));
+    assert!(matches!(case(68, &[0, 0, 0, 0]), DecodeError::TrailingBytes { .. }));
+    // Two strips announced, one there.
+    assert!(matches!(case(30, &[2, 0]), DecodeError::Header { field: HeaderField::StripColumns, .. }));
+}
+
+/// The frame of a payload, and as many strips as payloads.
+fn frame_of(coder: CoderId, level_bits: u8, payloads: &[&[u8]]) -> Vec<u8> {
+    let [bytes, _] = frames();
+    let columns = (COLUMNS / payloads.len()) as u16;
+    let mut frame = with(&bytes[..64], 28, &[level_bits, coder as u8, payloads.len() as u8, 0]);
+    let step = flicr::Quantizer::new(level_bits.into(), 80.0).unwrap();
+    frame[32..36].copy_from_slice(&step.step_m().to_le_bytes());
+    frame[36..40].copy_from_slice(&step.range_bound_m().to_le_bytes());
+    for (first_column, payload) in (0..).step_by(columns.into()).zip(payloads) {
+        frame.extend(u16::to_le_bytes(first_column));
+        frame.extend(columns.to_le_bytes());
+        frame.extend((payload.len() as u32).to_le_bytes());
+        frame.extend_from_slice(payload);
+    }
+    frame.extend([0; 4]);
+    let frame_len = frame.len() as u32;
+    sealed(with(&frame, 8, &frame_len.to_le_bytes()))
+}
+
+#[test]
+fn payloads_that_do_not_make_the_image() {
+    let pixels = 64 * COLUMNS;
+    let fault = |coder, payload: &[u8]| match error(&frame_of(coder, 8, &[payload])) {
+        DecodeError::Payload { strip: 0, fault } => fault,
+        other => panic!("{other:?}"),
+    };
+    let all_empty = vec![0xff; pixels / 64];
+    assert!(Decoder::default().decode(&frame_of(CoderId::Rle, 8, &[&all_empty])).is_ok());
+    assert_eq!(fault(CoderId::Rle, &all_empty[1..]), PayloadFault::TooShort);
+    assert_eq!(fault(CoderId::Rle, &[&all_empty[..], &[0xc0]].concat()), PayloadFault::TooLong);
+    assert_eq!(fault(CoderId::Rle, &[5, 1, 2]), PayloadFault::TooShort);
+    assert_eq!(fault(CoderId::Rle, &[0x80]), PayloadFault::TooShort);
+    assert_eq!(fault(CoderId::Store, &vec![1; pixels - 1]), PayloadFault::TooShort);
+    assert_eq!(fault(CoderId::Store, &vec![1; pixels + 1]), PayloadFault::TooLong);
+    assert_eq!(fault(CoderId::Deflate, &[]), PayloadFault::TooShort);
+    assert_eq!(fault(CoderId::Deflate, &[0x07]), PayloadFault::Malformed);
+}
+
+#[test]
+fn levels_beyond_the_header_s_bits() {
+    let levels = vec![63; 64 * COLUMNS];
+    assert!(Decoder::default().decode(&frame_of(CoderId::Store, 6, &[&levels])).is_ok());
+    let mut levels = levels;
+    levels[1000] = 64;
+    let fault = PayloadFault::LevelRange { found: 64, max: 63 };
+    assert_eq!(error(&frame_of(CoderId::Store, 6, &[&levels])), DecodeError::Payload { strip: 0, fault });
+}
+
+#[test]
+fn strips_are_put_side_by_side() {
+    let strip = |level| vec![level; 64 * COLUMNS / 4];
+    let payloads = [strip(1), strip(2), strip(3), strip(4)];
+    let bytes = frame_of(CoderId::Store, 8, &payloads.each_ref().map(Vec::as_slice));
+    let mut decoder = Decoder::default();
+    let flicr::Levels::U8(levels) = decoder.decode(&bytes).unwrap().levels() else { panic!("8 bits") };
+    for row in levels.chunks(COLUMNS) {
+        let expected: Vec<u8> = (1..=4).flat_map(|level| [level; COLUMNS / 4]).collect();
+        assert_eq!(row, expected);
+    }
+}
+
+proptest! {
+    #[test]
+    fn random_payloads_end_in_an_error_or_an_image(
+        coder in prop::sample::select(vec![CoderId::Store, CoderId::Rle, CoderId::Deflate]),
+        level_bits in 1_u8..=16,
+        payload in prop::collection::vec(any::<u8>(), 0..600),
+    ) {
+        let mut decoder = Decoder::default();
+        if let Ok(frame) = decoder.decode(&frame_of(coder, level_bits, &[&payload])) {
+            prop_assert!(frame.points().len() <= 64 * COLUMNS);
+        }
+    }
+
+    #[test]
+    fn random_bytes_behind_a_right_start(mut bytes in prop::collection::vec(any::<u8>(), 60..400), keep in 5_usize..64) {
+        let [good, _] = frames();
+        let keep = keep.min(bytes.len());
+        bytes[..keep].copy_from_slice(&good[..keep]);
+        let _ = Decoder::default().decode(&bytes);
+        let _ = Decoder::default().decode(&sealed(bytes));
+    }
+}
