@@ -20,7 +20,8 @@ fn the_worked_example_decodes_as_it_says() {
     let header = frame.header();
     assert_eq!((header.rows, header.columns, header.sequence, header.returns), (2, 8, 258, 3));
     let expected = [101, 102, 0, 0, 0, 0, 0, 0, 0, 42, 0, 0, 0, 0, 0, 0];
-    let listed = FORMAT.split("and the levels are\n").nth(1).and_then(|rest| rest.split("```").nth(1)).unwrap();
+    let listed =
+        FORMAT.split("and the levels are\n\n```text\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let listed: Vec<u8> = listed.split_whitespace().map(|level| level.parse().unwrap()).collect();
     assert_eq!(listed, expected);
     assert_eq!(*frame.levels(), Levels::U8(expected.into()));
