@@ -105,6 +105,8 @@ case ${1:-} in
         way=$(way_of "$target")
         CARGO_TARGET_DIR=$(target_dir_of "$way")
         export CARGO_TARGET_DIR
+        # These would replace .cargo/config.toml's flags, and firmware would be linked without its memory map.
+        unset RUSTFLAGS CARGO_ENCODED_RUSTFLAGS
         export_linux "$target"
         case $way in
             rustup) run_rustup "$@" ;;
