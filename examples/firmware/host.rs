@@ -1,0 +1,82 @@
+//! The host's files and terminal, by semihosting.
+
+use core::fmt;
+
+use flicr::StridedPoints;
+use heapless::{CString, String};
+use semihosting::fs::{self, File};
+use semihosting::io::{self, Read, Write};
+
+use super::Fault;
+use super::job::{Job, Usage};
+
+/// Bytes of a point in a scan: x, y, z and intensity as little-endian `f32`, as in KITTI's files.
+const POINT_LEN: usize = 16;
+const PIECE_LEN: usize = 2048 * POINT_LEN;
+const LINE_LEN: usize = 256;
+const PATH_LEN: usize = 256;
+
+/// Where a piece of a scan is read to.
+pub type Piece = [u8; PIECE_LEN];
+
+/// An empty one.
+pub const PIECE: Piece = [0; PIECE_LEN];
+
+/// A scan that is read piece by piece, so that it need not fit into the board's memory.
+pub struct Scan<'a> {
+    file: File,
+    piece: &'a mut Piece,
+}
+
+impl<'a> Scan<'a> {
+    pub fn open(path: &str, piece: &'a mut Piece) -> Result<Self, Fault> {
+        Ok(Self { file: File::open(c_path(path)?)?, piece })
+    }
+
+    /// The next points; `None` behind the last.
+    pub fn next_points(&mut self) -> Result<Option<StridedPoints<'_>>, Fault> {
+        let len = fill(&mut self.file, self.piece)?;
+        let points = StridedPoints::new(self.piece.get(..len).unwrap_or_default(), POINT_LEN);
+        match points {
+            Some(points) if points.remainder_len() > 0 => Err(Fault::TornPoint),
+            points => Ok(points.filter(|points| !points.is_empty())),
+        }
+    }
+}
+
+/// Reads until `buffer` is full or the file ends.
+fn fill(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut len = 0;
+    while let Some(rest) = buffer.get_mut(len..).filter(|rest| !rest.is_empty()) {
+        match file.read(rest)? {
+            0 => break,
+            read => len += read,
+        }
+    }
+    Ok(len)
+}
+
+/// Writes a frame where the job wants it: `OUT_PREFIX-COLUMNS-CODER.flicr`.
+pub fn write_frame(job: &Job<'_>, frame: &[u8]) -> Result<(), Fault> {
+    let mut path = String::<PATH_LEN>::new();
+    fmt::write(&mut path, format_args!("{}-{}-{}.flicr", job.out_prefix, job.columns, job.coder))
+        .map_err(|_| Usage::PathTooLong)?;
+    Ok(fs::write(c_path(&path)?, frame)?)
+}
+
+fn c_path(path: &str) -> Result<CString<PATH_LEN>, Usage> {
+    CString::from_bytes_truncating_at_nul(path.as_bytes()).map_err(|_| Usage::PathTooLong)
+}
+
+/// Prints a line by one call to the host; by `println!` each number would be a call of its own.
+pub fn print_line(line: fmt::Arguments<'_>) {
+    let mut text = String::<LINE_LEN>::new();
+    let whole = fmt::write(&mut text, line).is_ok() && text.push('\n').is_ok();
+    if let Ok(mut stdout) = io::stdout() {
+        // There is nobody to tell that telling failed.
+        let _ = stdout.write_all(text.as_bytes());
+        if !whole {
+            let _ = stdout.write_all(b"...\n");
+        }
+    }
+}

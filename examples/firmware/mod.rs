@@ -1,0 +1,168 @@
+//! What the firmware examples share: a scan comes in from the host in pieces, frames go back out, and what each stage
+//! cost is printed. A board brings its clock and its pins.
+//!
+//! Two lines are printed for every frame. `frame` depends only on the scan and the codec (`qemu.out` beside each
+//! example holds those of the test scan); `cost` also on compiler and board.
+
+mod host;
+mod job;
+mod stack;
+mod stage;
+
+use core::fmt;
+
+use flicr::{Coder, Config, EncodeError, Encoded, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store, frame};
+
+use host::{PIECE, Piece, Scan, print_line, write_frame};
+use job::{CoderName, Job, Usage};
+use stage::Stage;
+pub use stage::{Board, Clock};
+
+const ROWS: usize = 64;
+const COLUMNS_MAX: usize = 4500;
+const PIXELS_MAX: usize = ROWS * COLUMNS_MAX;
+const FRAME_LEN_MAX: usize = max(worst_case_len::<Store>(), worst_case_len::<Rle>());
+
+const fn worst_case_len<C: Coder<u8>>() -> usize {
+    frame::worst_case_len::<u8, C>(PIXELS_MAX)
+}
+
+const fn max(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
+}
+
+/// All the memory that encoding takes, for the largest frame: to be kept in a `static`. A device that knows its frame
+/// size uses `flicr::Encoder<ROWS, COLUMNS, ...>` in its place; one image that is borrowed at any size is for those
+/// that switch, as here.
+pub struct Memory {
+    levels: [u8; PIXELS_MAX],
+    frame: [u8; FRAME_LEN_MAX],
+    piece: Piece,
+    store: Store,
+    rle: Rle,
+}
+
+impl Memory {
+    pub const fn new() -> Self {
+        Self { levels: [0; PIXELS_MAX], frame: [0; FRAME_LEN_MAX], piece: PIECE, store: Store::new(), rle: Rle::new() }
+    }
+}
+
+/// Why no frame came out.
+#[derive(Debug)]
+enum Fault {
+    Usage(Usage),
+    Host(semihosting::io::Error),
+    TornPoint,
+    Encode(EncodeError),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(usage) => write!(f, "{usage}; arguments: SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M..."),
+            Self::Host(error) => write!(f, "the host's files: {error:?}"),
+            Self::TornPoint => f.write_str("the scan ends inside a point of 16 bytes"),
+            Self::Encode(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl From<Usage> for Fault {
+    fn from(usage: Usage) -> Self {
+        Self::Usage(usage)
+    }
+}
+
+impl From<semihosting::io::Error> for Fault {
+    fn from(error: semihosting::io::Error) -> Self {
+        Self::Host(error)
+    }
+}
+
+impl From<EncodeError> for Fault {
+    fn from(error: EncodeError) -> Self {
+        Self::Encode(error)
+    }
+}
+
+/// Does what the command line asks for and gives the exit code.
+pub fn main<B: Board>(board: &mut B, memory: &mut Memory) -> i32 {
+    match encode_all(board, memory) {
+        Ok(()) => 0,
+        Err(fault) => {
+            print_line(format_args!("error: {fault}"));
+            1
+        }
+    }
+}
+
+fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault> {
+    let Memory { levels, frame, piece, store, rle } = memory;
+    let arguments = job::arguments()?;
+    for job in arguments.jobs()? {
+        let job = job?;
+        let levels = levels.get_mut(..ROWS * job.columns).ok_or(Usage::TooManyColumns)?;
+        let image = ImageViewMut::new(levels, job.columns).ok_or(Usage::TooManyColumns)?;
+        let scan = Scan::open(job.scan, piece)?;
+        match job.coder {
+            CoderName::Store => encode_one(board, &job, scan, image, store, frame)?,
+            CoderName::Rle => encode_one(board, &job, scan, image, rle, frame)?,
+        }
+    }
+    Ok(())
+}
+
+fn encode_one<B: Board, C: Coder<u8>>(
+    board: &mut B,
+    job: &Job<'_>,
+    mut scan: Scan<'_>,
+    image: ImageViewMut<'_, u8>,
+    coder: &mut C,
+    out: &mut [u8],
+) -> Result<(), Fault> {
+    let config = Config { scale: Scale::Fixed { max_range_m: job.max_range_m }, ..Config::UNIFORM };
+    let (mut project, mut code) = (Stage::new(), Stage::new());
+
+    let start = || FrameEncoder::start(&config, Stamp::default(), image, coder);
+    let mut encoder = project.run(board, B::project_pin, start)?;
+    while let Some(points) = scan.next_points()? {
+        project.run(board, B::project_pin, || encoder.insert(&points));
+    }
+    let encoded = code.run(board, B::code_pin, || encoder.finish(out))?;
+
+    let frame = out.get(..encoded.len).unwrap_or_default();
+    write_frame(job, frame)?;
+    print_frame(job, &encoded, frame);
+    print_cost::<B, C>(job, board, &project, &code);
+    Ok(())
+}
+
+fn print_frame(job: &Job<'_>, encoded: &Encoded, frame: &[u8]) {
+    let checksum = frame.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+    let tally = &encoded.tally;
+    print_line(format_args!(
+        "frame columns={} coder={} max_range_m={} points={} kept={} bytes={} crc={checksum:08x}",
+        job.columns,
+        job.coder,
+        job.max_range_m,
+        tally.points,
+        tally.kept(),
+        encoded.len,
+    ));
+}
+
+fn print_cost<B: Board, C>(job: &Job<'_>, board: &B, project: &Stage, code: &Stage) {
+    let clock = board.clock();
+    print_line(format_args!(
+        "cost columns={} coder={} unit={} project={} code={} total={} stack_bytes={} encoder_bytes={}",
+        job.columns,
+        job.coder,
+        clock.unit(),
+        project.cost(clock),
+        code.cost(clock),
+        project.cost(clock) + code.cost(clock),
+        project.stack_bytes().max(code.stack_bytes()),
+        ROWS * job.columns + size_of::<C>(),
+    ));
+}

@@ -1,0 +1,62 @@
+//! The same scan gives the same bytes on a microcontroller as on this machine.
+//!
+//! Firmware (`examples/cortex_m`, `examples/aarch64`) is built for each emulated board and encodes the simulated scan,
+//! and real ones where they are at hand, at all of the paper's sizes with every coder; each byte must equal the
+//! host's. What it prints of the simulated scan must be what stands in `qemu.out` beside its source; `make bless`
+//! writes that anew.
+//!
+//! Without an emulator the tests are skipped and counted as ignored; with `FLICR_REQUIRE_QEMU` they fail.
+
+#[path = "qemu/board.rs"]
+mod board;
+mod firmware;
+#[path = "qemu/frames.rs"]
+mod frames;
+#[path = "qemu/scan.rs"]
+mod scan;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+use board::{BOARDS, Board};
+use frames::{FRAMES, Frame};
+use scan::Scan;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let skip = firmware::is_skipped(BOARDS.iter().find_map(Board::missing));
+    let scans = scan::all();
+    let pairs = BOARDS.iter().flat_map(|board| scans.iter().map(move |scan| (board, Arc::clone(scan))));
+    let trials = pairs.map(|(board, scan)| {
+        let name = format!("{}::{}", board.name, scan.name);
+        Trial::test(name, move || bytes_equal_the_hosts(board, &scan)).with_ignored_flag(skip)
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit_code()
+}
+
+fn bytes_equal_the_hosts(board: &'static Board, scan: &Scan) -> Result<(), Failed> {
+    let out_prefix = out_prefix(board, scan);
+    let printed = board.run(&scan.path, &out_prefix, &FRAMES.each_ref().map(Frame::to_string))?;
+    for (frame, on_host) in FRAMES.iter().zip(scan.frames()?) {
+        check_frame(frame, &out_prefix, on_host)?;
+    }
+    if scan.is_simulated { board.check_printed(&printed) } else { Ok(()) }
+}
+
+fn check_frame(frame: &Frame, out_prefix: &Path, on_host: &[u8]) -> Result<(), Failed> {
+    let on_board = std::fs::read(format!("{}-{}-{}.flicr", out_prefix.display(), frame.columns, frame.coder))?;
+    if on_board == on_host {
+        return Ok(());
+    }
+    let equal = on_board.iter().zip(on_host).take_while(|(a, b)| a == b).count();
+    let (board_len, host_len) = (on_board.len(), on_host.len());
+    Err(format!("{frame}: {board_len} bytes on the board, {host_len} on the host, the first {equal} equal").into())
+}
+
+fn out_prefix(board: &Board, scan: &Scan) -> PathBuf {
+    let file = format!("qemu-{}-{}", board.name, scan.name.replace('/', "-"));
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(file)
+}

@@ -1,0 +1,61 @@
+//! The frames that both sides encode, and the host's side of it.
+
+use std::fmt;
+
+use flicr::{Coder, Config, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store, frame};
+
+const ROWS: usize = 64;
+
+/// What a frame is to be like: an argument of the firmware.
+pub struct Frame {
+    pub columns: usize,
+    pub coder: &'static str,
+    pub max_range_m: f32,
+}
+
+/// The paper's sizes with every coder.
+pub const FRAMES: [Frame; 9] = [
+    frame(4500, "rle"),
+    frame(4096, "rle"),
+    frame(2048, "rle"),
+    frame(1024, "rle"),
+    frame(512, "rle"),
+    frame(256, "rle"),
+    frame(4500, "store"),
+    frame(256, "store"),
+    // The firmware uses its memory again: nothing of the frames before may be left in it.
+    Frame { columns: 1000, coder: "rle", max_range_m: 50.0 },
+];
+
+const fn frame(columns: usize, coder: &'static str) -> Frame {
+    Frame { columns, coder, max_range_m: 120.0 }
+}
+
+impl fmt::Display for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.columns, self.coder, self.max_range_m)
+    }
+}
+
+impl Frame {
+    /// The host's bytes.
+    pub fn encode(&self, points: &[[f32; 4]]) -> Vec<u8> {
+        match self.coder {
+            "store" => self.encode_with(Store::new(), points),
+            "rle" => self.encode_with(Rle::new(), points),
+            other => unreachable!("no coder {other}"),
+        }
+    }
+
+    fn encode_with<C: Coder<u8>>(&self, mut coder: C, points: &[[f32; 4]]) -> Vec<u8> {
+        let mut levels = vec![0; ROWS * self.columns];
+        let mut out = vec![0; frame::worst_case_len::<u8, C>(levels.len())];
+        let image = ImageViewMut::new(&mut levels, self.columns).expect("whole rows");
+        let config = Config { scale: Scale::Fixed { max_range_m: self.max_range_m }, ..Config::UNIFORM };
+        let mut encoder = FrameEncoder::start(&config, Stamp::default(), image, &mut coder).expect("a valid frame");
+        encoder.insert(points);
+        let encoded = encoder.finish(&mut out).expect("the worst case fits");
+        out.truncate(encoded.len);
+        out
+    }
+}
