@@ -36,6 +36,9 @@ use scene::Scene;
 use sensor::Lattice;
 use street::Street;
 
+/// Edge of the patches that give no return as a whole, in metres.
+const PATCH_M: f64 = 0.3;
+
 /// What the car's own motion does to a turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EgoMotion {
@@ -260,8 +263,10 @@ impl<'a> Shot<'a> {
         }
         let place = [self.index.cast_signed(), firing as i64, beam as i64];
         let mut random = Random::at(self.simulator.seed, &place);
-        let hit = self.scene.cast(&self.pose(firing).ray(&ray), &mut random)?;
-        let (range_m, intensity) = laser.measure(sensor, hit, &mut random)?;
+        let ray = self.pose(firing).ray(&ray);
+        let hit = self.scene.cast(&ray, &mut random)?;
+        let mut patch = self.scene.cell(ray.at(hit.range_m), PATCH_M);
+        let (range_m, intensity) = laser.measure(sensor, hit, &mut patch, &mut random)?;
         Some(Return {
             firing: firing as u16,
             beam: beam as u8,

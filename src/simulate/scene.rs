@@ -3,7 +3,7 @@
 use core::f64::consts::{PI, TAU};
 
 use super::random::Random;
-use super::shape::{Ray, Span};
+use super::shape::{Form, Ray, Shape, Span};
 use super::street::{Filling, KERB_M, Material, Object, Street, ground};
 
 /// Sectors of the full circle.
@@ -138,34 +138,45 @@ impl Scene {
                 Some(window(hit, number, span.along_m, height_m, random))
             }
             Filling::Windows(_) => Some(hit),
-            Filling::Porous(density) => self.leaf(hit, density, ray, span),
+            Filling::Porous(density) => self.leaf(hit, &object.shape, density, ray, span),
         }
     }
 
+    /// Random numbers that are the same all over a small cube of the street.
+    pub(super) fn cell(&self, place: [f64; 3], edge_m: f64) -> Random {
+        let cell = place.map(|part| libm::floor(part / edge_m) as i64);
+        Random::at(self.street.seed, &cell)
+    }
+
     /// The first filled cell on the way through the leaves.
-    fn leaf(&self, hit: Hit, density: f64, ray: &Ray, span: Span) -> Option<Hit> {
+    fn leaf(&self, hit: Hit, shape: &Shape, density: f64, ray: &Ray, span: Span) -> Option<Hit> {
         for step in 0..LEAF_STEPS {
             let range_m = span.enter_m + (step as f64 + 0.3) * LEAF_CELL_M;
             if range_m > span.leave_m {
                 return None;
             }
-            let cell = ray
-                .at(range_m)
-                .map(|part| libm::floor(part / LEAF_CELL_M) as i64);
-            let mut random = Random::at(self.street.seed, &cell);
-            if random.chance(density) {
-                let depth_m = random.between(-0.1, 0.1);
-                let cos_incidence = random.between(0.3, 1.0);
-                let range_m = range_m + depth_m;
+            let place = ray.at(range_m);
+            let mut random = self.cell(place, LEAF_CELL_M);
+            if random.chance(density * thickness(shape, place)) {
                 return Some(Hit {
-                    range_m,
-                    cos_incidence,
+                    range_m: range_m + random.between(-0.1, 0.1),
+                    cos_incidence: random.between(0.3, 1.0),
                     ..hit
                 });
             }
         }
         None
     }
+}
+
+/// How thickly leaves stand at a place in a plant: crowns fray towards their outside.
+fn thickness(shape: &Shape, place: [f64; 3]) -> f64 {
+    let Form::Ellipsoid { half } = shape.form else {
+        return 1.0;
+    };
+    let outward = [0, 1, 2].map(|axis| (place[axis] - shape.center[axis]) / half[axis]);
+    let square = outward[0] * outward[0] + outward[1] * outward[1] + outward[2] * outward[2];
+    2.0 * (1.0 - square)
 }
 
 /// Sets back what lies in a window; some panes let the light through to the room.

@@ -38,6 +38,7 @@ enum Topic {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Material {
     Asphalt,
+    Marking,
     Grass,
     Wall,
     Glass,
@@ -122,7 +123,7 @@ impl Street {
         }
         let line_m = self.building_line_m(plot, side);
         let mut random = self.random(Topic::House, [plot, side]);
-        if random.chance(0.72) {
+        if random.chance(0.66) {
             house(&mut random, plot, side, line_m, objects);
         } else {
             self.garden(plot, side, line_m, objects);
@@ -136,7 +137,7 @@ impl Street {
     /// How far the houses of a block stand from the street's middle.
     fn building_line_m(self, plot: i64, side: i64) -> f64 {
         let block = plot.div_euclid(PLOTS_A_BLOCK);
-        self.random(Topic::Block, [block, side]).between(9.5, 19.0)
+        self.random(Topic::Block, [block, side]).between(9.5, 22.0)
     }
 
     /// What is seen down a crossing street: a house or trees at its far end.
@@ -196,8 +197,8 @@ impl Street {
                 side as f64 * (KERB_M + random.between(0.25, 0.75) * room_m),
             ];
             match random.bits() % 8 {
-                0..=3 => tree(&mut random, place, objects),
-                4 | 5 => bush(&mut random, place, objects),
+                0..=4 => tree(&mut random, place, objects),
+                5 | 6 => bush(&mut random, place, objects),
                 _ => {}
             }
         }
@@ -211,7 +212,7 @@ impl Street {
                 side as f64 * (KERB_M - 1.15 + random.between(-0.15, 0.15)),
             ];
             let sine = random.between(-0.03, 0.03);
-            if random.chance(0.55) {
+            if random.chance(0.45) {
                 car(
                     &mut random,
                     place,
@@ -330,11 +331,21 @@ fn is_crossing(plot: i64) -> bool {
 pub(super) fn ground(x: f64, y: f64) -> (f64, Material) {
     let crossing = is_crossing(libm::floor(x / PLOT_M) as i64);
     if y.abs() < KERB_M || crossing {
-        (0.0, Material::Asphalt)
+        (0.0, paving(x, y))
     } else if y.abs() < KERB_M + 3.0 {
         (KERB_HEIGHT_M, Material::Asphalt)
     } else {
         (KERB_HEIGHT_M, Material::Grass)
+    }
+}
+
+/// A dashed line along the middle, asphalt elsewhere.
+fn paving(x: f64, y: f64) -> Material {
+    let dash = x - 9.0 * libm::floor(x / 9.0) < 4.0;
+    if dash && y.abs() < 0.08 {
+        Material::Marking
+    } else {
+        Material::Asphalt
     }
 }
 
@@ -379,7 +390,7 @@ fn tree(random: &mut Random, place: [f64; 2], objects: &mut Vec<Object>) {
     let trunk = Shape::cylinder(place, radius, [0.0, middle_m]);
     objects.push(Object::solid(trunk, Material::Bark));
     let center = [place[0], place[1], middle_m];
-    objects.push(Object::leaves(center, [across, across, tall], 0.22));
+    objects.push(Object::leaves(center, [across, across, tall], 0.3));
 }
 
 fn bush(random: &mut Random, place: [f64; 2], objects: &mut Vec<Object>) {
@@ -405,23 +416,20 @@ fn car(random: &mut Random, place: [f64; 2], heading: [f64; 2], objects: &mut Ve
         Material::Paint
     };
     let bonnet_m = if van { 1.1 } else { 0.88 };
-    let roof_m = if van { 2.0 } else { 1.45 };
-    let cabin_half = if van {
-        half_length * 0.8
-    } else {
-        half_length * 0.52
-    };
-    let body = Shape::upright(place, [half_length, half_width], [0.22, bonnet_m], heading);
-    let back = [place[0] - 0.2 * heading[0], place[1] - 0.2 * heading[1]];
-    let cabin = Shape::upright(
-        back,
-        [cabin_half, half_width - 0.1],
-        [bonnet_m, roof_m],
-        heading,
-    );
+    let half = [half_length, half_width];
+    let body = Shape::upright(place, half, [0.22, bonnet_m], heading);
     objects.push(Object::solid(body, paint));
-    objects.push(Object::solid(
-        cabin,
-        if van { paint } else { Material::Glass },
-    ));
+    let back = [place[0] - 0.25 * heading[0], place[1] - 0.25 * heading[1]];
+    if van {
+        let half = [half_length * 0.8, half_width - 0.05];
+        let load = Shape::upright(back, half, [bonnet_m, 2.0], heading);
+        objects.push(Object::solid(load, paint));
+    } else {
+        // Round as car windows are; cars stand too straight for its heading to matter.
+        let form = Form::Ellipsoid {
+            half: [half_length * 0.62, half_width - 0.06, 0.62],
+        };
+        let center = [back[0], back[1], bonnet_m];
+        objects.push(Object::solid(Shape { center, form }, Material::Glass));
+    }
 }
