@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use super::random::Random;
 use super::shape::Ray;
 
-/// Distance of the sensor's lane from the street's middle, in metres.
+/// Distance of the sensor's lane from the street's middle, in meters.
 const LANE_M: f64 = -1.9;
 
 /// A smooth drive down the street, with the small sway of hands and springs.
@@ -32,16 +32,11 @@ impl Drive {
     }
 
     pub(super) fn pose(&self, time_s: f64) -> Pose {
-        let sway =
-            |number: usize, period_s: f64| libm::sin(TAU * time_s / period_s + self.phases[number]);
+        let sway = |number: usize, period_s: f64| libm::sin(TAU * time_s / period_s + self.phases[number]);
         let yaw = 0.012 * sway(0, 7.0);
         let pitch = self.slope[0] + 0.003 * sway(1, 1.7);
         let roll = self.slope[1] + 0.003 * sway(2, 2.3);
-        let place = [
-            self.start_m + self.speed_m_s * time_s,
-            LANE_M + 0.2 * sway(3, 9.0),
-            self.height_m,
-        ];
+        let place = [self.start_m + self.speed_m_s * time_s, LANE_M + 0.2 * sway(3, 9.0), self.height_m];
         Pose::new(place, yaw, pitch, roll)
     }
 }
@@ -68,24 +63,18 @@ impl Pose {
     }
 
     fn turned(&self, vector: [f64; 3]) -> [f64; 3] {
-        self.turn
-            .map(|row| row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2])
+        self.turn.map(|row| row[0] * vector[0] + row[1] * vector[1] + row[2] * vector[2])
     }
 
     fn turned_back(&self, vector: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| {
-            self.turn[0][axis] * vector[0]
-                + self.turn[1][axis] * vector[1]
-                + self.turn[2][axis] * vector[2]
+            self.turn[0][axis] * vector[0] + self.turn[1][axis] * vector[1] + self.turn[2][axis] * vector[2]
         })
     }
 
     /// A ray of the sensor's frame, in the street.
     pub(super) fn ray(&self, ray: &Ray) -> Ray {
-        Ray {
-            origin: self.point(ray.origin),
-            direction: self.turned(ray.direction),
-        }
+        Ray { origin: self.point(ray.origin), direction: self.turned(ray.direction) }
     }
 
     /// A point of the sensor's frame, in the street.

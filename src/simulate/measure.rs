@@ -5,6 +5,7 @@ use super::random::Random;
 use super::scene::Hit;
 use super::shape::{Ray, Shape};
 use super::street::Material;
+use std::vec::Vec;
 
 /// Share of the largest range from which returns thin out.
 const THINNING_FROM: f64 = 0.72;
@@ -12,14 +13,14 @@ const THINNING_FROM: f64 = 0.72;
 const SURE_SIGNAL: f64 = 0.03;
 /// Share of the best targets that are seen.
 const SEEN_AT_BEST: f64 = 0.998;
-/// Range at which the noise is twice that nearby, in metres.
+/// Range at which the noise is twice that nearby, in meters.
 const NOISE_DOUBLES_M: f64 = 60.0;
 
 /// How a material answers.
 struct Optics {
     /// Share of the light that comes back, as an intensity from 0 to 1.
     reflectivity: f64,
-    /// Deviation of the surface from its ideal shape, in metres.
+    /// Deviation of the surface from its ideal shape, in meters.
     roughness_m: f64,
     /// Share of the surface's patches that give no return at all.
     drop_out: f64,
@@ -39,11 +40,7 @@ fn optics(material: Material) -> Optics {
         Material::Leaf => (0.38, 0.03, 0.02),
         Material::Cloth => (0.26, 0.012, 0.01),
     };
-    Optics {
-        reflectivity,
-        roughness_m,
-        drop_out,
-    }
+    Optics { reflectivity, roughness_m, drop_out }
 }
 
 /// A laser's own peculiarities, drawn once from its number.
@@ -51,26 +48,17 @@ fn optics(material: Material) -> Optics {
 pub(super) struct Laser {
     /// Factor on the intensity; a few lasers are nearly blind to it.
     gain: f64,
-    /// Noise nearby, in metres.
+    /// Noise nearby, in meters.
     noise_m: f64,
 }
 
 impl Laser {
-    pub(super) fn new(sensor: &Sensor, beam: usize) -> Self {
-        let mut random = Random::at(0x001A_5E12, &[beam as i64]);
+    pub(super) fn new(sensor: &Sensor, beam: u8) -> Self {
+        let mut random = Random::at(0x001A_5E12, &[i64::from(beam)]);
         let faint = random.chance(0.05);
         Self {
-            gain: if faint {
-                0.3
-            } else {
-                random.between(0.65, 1.15)
-            },
-            noise_m: sensor.noise_m
-                * if random.chance(0.1) {
-                    1.8
-                } else {
-                    random.between(0.85, 1.2)
-                },
+            gain: if faint { 0.3 } else { random.between(0.65, 1.15) },
+            noise_m: sensor.noise_m * if random.chance(0.1) { 1.8 } else { random.between(0.85, 1.2) },
         }
     }
 
@@ -126,7 +114,7 @@ pub(super) struct OwnCar(Vec<Shape>);
 
 impl OwnCar {
     pub(super) fn new(present: bool) -> Self {
-        /// x from, x to, y from, y to, z from, z to, in metres.
+        /// x from, x to, y from, y to, z from, z to, in meters.
         const PARTS_M: [[f64; 6]; 11] = [
             [-1.16, -0.2, -0.47, 0.47, -0.6, -0.3],
             [0.2, 1.03, -0.17, 0.17, -0.6, -0.3],
@@ -141,15 +129,11 @@ impl OwnCar {
             [-0.7, -0.6, -0.6, 0.6, -0.6, -0.26],
         ];
         let part = |[x0, x1, y0, y1, z0, z1]: [f64; 6]| {
-            let center = [(x0 + x1) / 2.0, (y0 + y1) / 2.0];
+            let center = [f64::midpoint(x0, x1), f64::midpoint(y0, y1)];
             let half = [(x1 - x0) / 2.0, (y1 - y0) / 2.0];
             Shape::upright(center, half, [z0, z1], [1.0, 0.0])
         };
-        Self(if present {
-            PARTS_M.map(part).to_vec()
-        } else {
-            Vec::new()
-        })
+        Self(if present { PARTS_M.map(part).to_vec() } else { Vec::new() })
     }
 
     pub(super) fn hides(&self, ray: &Ray) -> bool {

@@ -19,6 +19,9 @@
 //! assert_eq!(scan.len(), 16 * turn.points.len());
 //! ```
 
+use std::vec;
+use std::vec::Vec;
+
 mod drive;
 mod measure;
 mod random;
@@ -34,9 +37,10 @@ use measure::{Laser, OwnCar};
 use random::Random;
 use scene::Scene;
 use sensor::Lattice;
+use shape::Ray;
 use street::Street;
 
-/// Edge of the patches that give no return as a whole, in metres.
+/// Edge of the patches that give no return as a whole, in meters.
 const PATCH_M: f64 = 0.3;
 
 /// What the car's own motion does to a turn.
@@ -81,7 +85,7 @@ pub struct Turn {
     pub firing_ticks: Vec<u16>,
     /// The returns, beam after beam from the highest, by azimuth from +x over +y.
     pub returns: Vec<Return>,
-    /// x, y, z in metres, rounded to a millimetre, and intensity 0 to 0.99; each made of the
+    /// x, y, z in meters, rounded to a millimeter, and intensity 0 to 0.99; each made of the
     /// return of the same number.
     pub points: Vec<[f32; 4]>,
 }
@@ -129,13 +133,7 @@ impl Simulator {
     /// Any sensor in the street of this seed, at 10 m a second.
     #[must_use]
     pub fn with_sensor(sensor: Sensor, seed: u64) -> Self {
-        Self {
-            sensor,
-            seed,
-            ego_motion: EgoMotion::Frozen,
-            speed_m_s: 10.0,
-            next_turn: 0,
-        }
+        Self { sensor, seed, ego_motion: EgoMotion::Frozen, speed_m_s: 10.0, next_turn: 0 }
     }
 
     /// Sets what the car's own motion does within a turn.
@@ -145,7 +143,7 @@ impl Simulator {
         self
     }
 
-    /// Sets the speed, in metres a second; 0 is a sensor that stands at the roadside.
+    /// Sets the speed, in meters a second; 0 is a sensor that stands at the roadside.
     #[must_use]
     pub fn speed(mut self, speed_m_s: f64) -> Self {
         self.speed_m_s = speed_m_s;
@@ -198,92 +196,74 @@ impl<'a> Shot<'a> {
         let middle = drive.pose(seconds(time_ns + sensor.period_ns / 2));
         let poses = match simulator.ego_motion {
             EgoMotion::Frozen => vec![middle],
-            EgoMotion::Raw | EgoMotion::Compensated => (0..firing_ticks.len())
-                .map(|firing| {
-                    let into_ns = firing as u64 * sensor.period_ns / firing_ticks.len() as u64;
-                    drive.pose(seconds(time_ns + into_ns))
-                })
+            EgoMotion::Raw | EgoMotion::Compensated => (0..firing_ticks.len() as u64)
+                .map(|firing| firing * sensor.period_ns / firing_ticks.len() as u64)
+                .map(|into_ns| drive.pose(seconds(time_ns + into_ns)))
                 .collect(),
         };
         let scene = surroundings(simulator, &drive, &middle, time_ns);
-        Self {
-            simulator,
-            index,
-            time_ns,
-            firing_ticks,
-            poses,
-            middle,
-            scene,
-            own_car: OwnCar::new(sensor.own_car),
-        }
+        Self { simulator, index, time_ns, firing_ticks, poses, middle, scene, own_car: OwnCar::new(sensor.own_car) }
     }
 
     fn turn(self) -> Turn {
         let mut returns = Vec::new();
         let mut points = Vec::new();
-        for (number, beam) in self.simulator.sensor.beams.iter().enumerate() {
+        for (number, beam) in (0..=u8::MAX).zip(self.simulator.sensor.beams.iter()) {
             let lattice = Lattice::new(&self.simulator.sensor, beam);
             let mut seen = self.beam(number, &lattice);
             seen.sort_by(|one, other| one.0.total_cmp(&other.0));
             returns.extend(seen.iter().map(|entry| entry.1));
             points.extend(seen.iter().map(|entry| entry.2));
         }
-        Turn {
-            index: self.index,
-            time_ns: self.time_ns,
-            firing_ticks: self.firing_ticks,
-            returns,
-            points,
-        }
+        Turn { index: self.index, time_ns: self.time_ns, firing_ticks: self.firing_ticks, returns, points }
     }
 
     /// What one beam sees in the turn: azimuth, return and point of each.
-    fn beam(&self, number: usize, lattice: &Lattice) -> Vec<(f64, Return, [f32; 4])> {
+    fn beam(&self, number: u8, lattice: &Lattice) -> Vec<(f64, Return, [f32; 4])> {
         let laser = Laser::new(&self.simulator.sensor, number);
-        (0..self.firing_ticks.len())
-            .filter_map(|firing| {
-                let found = self.fire(firing, number, lattice, &laser)?;
-                let position = lattice.position(u32::from(found.tick), found.count);
-                let azimuth = azimuth_from_ahead(position);
-                Some((
-                    azimuth,
-                    found,
-                    self.point(firing, position, found.intensity),
-                ))
+        let firings = (0..=u16::MAX).zip(&self.firing_ticks);
+        firings
+            .filter_map(|(firing, &firing_tick)| {
+                let tick = self.simulator.sensor.beam_tick(number, firing_tick);
+                let (range_m, intensity) = self.fire([firing, number.into()], &lattice.ray(tick), &laser)?;
+                let found = Return {
+                    firing,
+                    beam: number,
+                    tick: tick as u16,
+                    count: lattice.count(range_m),
+                    intensity,
+                    time_ns: self.fired_ns(firing),
+                };
+                let position = lattice.position(tick, found.count);
+                Some((azimuth_from_ahead(position), found, self.point(firing, position, intensity)))
             })
             .collect()
     }
 
-    fn fire(&self, firing: usize, beam: usize, lattice: &Lattice, laser: &Laser) -> Option<Return> {
-        let sensor = &self.simulator.sensor;
-        let tick = sensor.beam_tick(beam, u32::from(self.firing_ticks[firing]));
-        let ray = lattice.ray(tick);
-        if self.own_car.hides(&ray) {
+    /// The range and intensity that one laser of one firing reports.
+    fn fire(&self, firing_and_beam: [u16; 2], ray: &Ray, laser: &Laser) -> Option<(f64, u8)> {
+        if self.own_car.hides(ray) {
             return None;
         }
-        let place = [self.index.cast_signed(), firing as i64, beam as i64];
+        let [firing, beam] = firing_and_beam;
+        let place = [self.index.cast_signed(), firing.into(), beam.into()];
         let mut random = Random::at(self.simulator.seed, &place);
-        let ray = self.pose(firing).ray(&ray);
+        let ray = self.pose(firing).ray(ray);
         let hit = self.scene.cast(&ray, &mut random)?;
         let mut patch = self.scene.cell(ray.at(hit.range_m), PATCH_M);
-        let (range_m, intensity) = laser.measure(sensor, hit, &mut patch, &mut random)?;
-        Some(Return {
-            firing: firing as u16,
-            beam: beam as u8,
-            tick: tick as u16,
-            count: lattice.count(range_m),
-            intensity,
-            time_ns: self.time_ns
-                + firing as u64 * sensor.period_ns / self.firing_ticks.len() as u64,
-        })
+        laser.measure(&self.simulator.sensor, hit, &mut patch, &mut random)
     }
 
-    fn pose(&self, firing: usize) -> &Pose {
-        self.poses.get(firing).unwrap_or(&self.poses[0])
+    fn fired_ns(&self, firing: u16) -> u64 {
+        self.time_ns + u64::from(firing) * self.simulator.sensor.period_ns / self.firing_ticks.len() as u64
     }
 
-    /// The point as it is stored: in millimetres, moved if the motion is to be compensated.
-    fn point(&self, firing: usize, position: [f64; 3], intensity: u8) -> [f32; 4] {
+    fn pose(&self, firing: u16) -> &Pose {
+        self.poses.get(usize::from(firing)).unwrap_or(&self.poses[0])
+    }
+
+    /// The point as it is stored: in millimeters, moved if the motion is to be compensated.
+    fn point(&self, firing: u16, position: [f64; 3], intensity: u8) -> [f32; 4] {
         let position = match self.simulator.ego_motion {
             EgoMotion::Compensated => self.middle.point_back(self.pose(firing).point(position)),
             EgoMotion::Frozen | EgoMotion::Raw => position,
@@ -295,15 +275,13 @@ impl<'a> Shot<'a> {
 
 /// The street around the sensor at the time of a turn.
 fn surroundings(simulator: &Simulator, drive: &Drive, middle: &Pose, time_ns: u64) -> Scene {
-    let street = Street {
-        seed: simulator.seed,
-    };
+    let street = Street { seed: simulator.seed };
     let sensor = &simulator.sensor;
     let place = [middle.place[0], middle.place[1]];
     let reach_m = sensor.max_range_m + 5.0;
-    let time_s = seconds(time_ns);
-    let mut objects = street.objects(place[0] - reach_m, place[0] + reach_m, time_s);
-    let gap_m = 17.0 + 4.0 * libm::sin(time_s / 3.0);
+    let now_s = seconds(time_ns);
+    let mut objects = street.objects(place[0] - reach_m, place[0] + reach_m, now_s);
+    let gap_m = 17.0 + 4.0 * libm::sin(now_s / 3.0);
     street.leader([place[0] + gap_m, place[1]], &mut objects);
     let moved_m = match simulator.ego_motion {
         EgoMotion::Frozen => 0.0,
@@ -316,7 +294,7 @@ fn surroundings(simulator: &Simulator, drive: &Drive, middle: &Pose, time_ns: u6
 fn firing_ticks(sensor: &Sensor, random: &mut Random) -> Vec<u16> {
     let jitter = u64::from(2 * sensor.firings_jitter + 1);
     let more = (random.bits() % jitter) as u32;
-    let firings = (sensor.firings + more - sensor.firings_jitter).clamp(1, sensor.ticks);
+    let firings = (sensor.firings + more).saturating_sub(sensor.firings_jitter).clamp(1, sensor.ticks);
     let phase = random.unit();
     let step = f64::from(sensor.ticks) / f64::from(firings);
     (0..firings)
@@ -330,11 +308,7 @@ fn firing_ticks(sensor: &Sensor, random: &mut Random) -> Vec<u16> {
 /// Azimuth from 0 (+x) over +y up to a full turn, in radians: the order of KITTI's files.
 fn azimuth_from_ahead(position: [f64; 3]) -> f64 {
     let azimuth = libm::atan2(position[1], position[0]);
-    if azimuth < 0.0 {
-        azimuth + core::f64::consts::TAU
-    } else {
-        azimuth
-    }
+    if azimuth < 0.0 { azimuth + core::f64::consts::TAU } else { azimuth }
 }
 
 fn seconds(time_ns: u64) -> f64 {

@@ -14,9 +14,7 @@ pub(super) struct Random(u64);
 impl Random {
     /// The sequence that belongs to a place: a seed and the coordinates there.
     pub(super) fn at(seed: u64, place: &[i64]) -> Self {
-        Self(place.iter().fold(seed, |key, &part| {
-            mix(key.wrapping_add(GOLDEN) ^ part.cast_unsigned())
-        }))
+        Self(place.iter().fold(seed, |key, &part| mix(key.wrapping_add(GOLDEN) ^ part.cast_unsigned())))
     }
 
     pub(super) fn bits(&mut self) -> u64 {
@@ -60,6 +58,8 @@ fn mix(mut word: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::vec::Vec;
+
     use super::{GOLDEN, Random, mix};
 
     #[test]

@@ -1,6 +1,8 @@
 //! What stands around the sensor at one moment, sorted by direction so that a ray tests little.
 
 use core::f64::consts::{PI, TAU};
+use std::vec;
+use std::vec::Vec;
 
 use super::random::Random;
 use super::shape::{Form, Ray, Shape, Span};
@@ -8,7 +10,7 @@ use super::street::{Filling, KERB_M, Material, Object, Street, ground};
 
 /// Sectors of the full circle.
 const SECTORS: usize = 720;
-/// Edge of a leaf cell, in metres.
+/// Edge of a leaf cell, in meters.
 const LEAF_CELL_M: f64 = 0.22;
 /// A ray looks into at most so many leaf cells before it is through.
 const LEAF_STEPS: usize = 32;
@@ -39,25 +41,13 @@ pub(super) struct Scene {
 
 impl Scene {
     /// Sorts the objects around a place; rays may start up to `margin_m` from it.
-    pub(super) fn around(
-        street: Street,
-        objects: Vec<Object>,
-        place: [f64; 2],
-        margin_m: f64,
-        reach_m: f64,
-    ) -> Self {
+    pub(super) fn around(street: Street, objects: Vec<Object>, place: [f64; 2], margin_m: f64, reach_m: f64) -> Self {
         let mut sectors = vec![Vec::new(); SECTORS];
         for (object, number) in objects.iter().zip(0..) {
-            let corners = object
-                .shape
-                .footprint(margin_m)
-                .map(|corner| [corner[0] - place[0], corner[1] - place[1]]);
+            let corners = object.shape.footprint(margin_m).map(|corner| [corner[0] - place[0], corner[1] - place[1]]);
             let near_m = nearest_m(&corners);
             if near_m < reach_m {
-                let candidate = Candidate {
-                    near_m,
-                    object: number,
-                };
+                let candidate = Candidate { near_m, object: number };
                 for sector in sectors_of(&corners, near_m) {
                     sectors[sector % SECTORS].push(candidate);
                 }
@@ -66,29 +56,20 @@ impl Scene {
         for sector in &mut sectors {
             sector.sort_by(|one, other| one.near_m.total_cmp(&other.near_m));
         }
-        Self {
-            street,
-            objects,
-            sectors,
-            reach_m,
-        }
+        Self { street, objects, sectors, reach_m }
     }
 
     /// The nearest thing that the ray meets. The random numbers decide what glass lets through.
     pub(super) fn cast(&self, ray: &Ray, random: &mut Random) -> Option<Hit> {
         let mut best = self.cast_ground(ray);
-        let flat =
-            libm::sqrt(ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1]);
+        let flat = libm::sqrt(ray.direction[0] * ray.direction[0] + ray.direction[1] * ray.direction[1]);
         for candidate in &self.sectors[sector_of(ray)] {
             let limit_m = best.map_or(self.reach_m, |hit| hit.range_m);
             if candidate.near_m > limit_m * flat {
                 break;
             }
             let object = &self.objects[candidate.object as usize];
-            let hit = object
-                .shape
-                .span(ray)
-                .and_then(|span| self.surface(object, ray, span, random));
+            let hit = object.shape.span(ray).and_then(|span| self.surface(object, ray, span, random));
             best = hit.filter(|hit| hit.range_m < limit_m).or(best);
         }
         best
@@ -126,18 +107,13 @@ impl Scene {
     }
 
     fn surface(&self, object: &Object, ray: &Ray, span: Span, random: &mut Random) -> Option<Hit> {
-        let hit = Hit {
-            range_m: span.enter_m,
-            cos_incidence: span.cos_incidence,
-            material: object.material,
-        };
+        let hit = Hit { range_m: span.enter_m, cos_incidence: span.cos_incidence, material: object.material };
         match object.filling {
-            Filling::Solid => Some(hit),
             Filling::Windows(number) if span.side => {
                 let height_m = ray.origin[2] + span.enter_m * ray.direction[2];
                 Some(window(hit, number, span.along_m, height_m, random))
             }
-            Filling::Windows(_) => Some(hit),
+            Filling::Solid | Filling::Windows(_) => Some(hit),
             Filling::Porous(density) => self.leaf(hit, &object.shape, density, ray, span),
         }
     }
@@ -193,18 +169,10 @@ fn window(hit: Hit, number: i64, along_m: f64, height_m: f64, random: &mut Rando
         return hit;
     }
     let recess_m = of_window.between(0.08, 0.25);
-    let room_m = if random.chance(0.06) {
-        random.between(0.2, 2.5)
-    } else {
-        0.0
-    };
+    let room_m = if random.chance(0.06) { random.between(0.2, 2.5) } else { 0.0 };
     Hit {
         range_m: hit.range_m + (recess_m + room_m) / hit.cos_incidence.max(0.2),
-        material: if of_window.chance(0.6) {
-            Material::Glass
-        } else {
-            hit.material
-        },
+        material: if of_window.chance(0.6) { Material::Glass } else { hit.material },
         ..hit
     }
 }
@@ -261,6 +229,8 @@ fn nearest_m(corners: &[[f64; 2]; 4]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::vec::Vec;
+
     use super::{nearest_m, sectors_of};
 
     #[test]

@@ -32,15 +32,15 @@ pub struct Sensor {
     pub first_tick: u32,
     /// Time of one turn.
     pub period_ns: u64,
-    /// One range count, in metres.
+    /// One range count, in meters.
     pub range_unit_m: f64,
-    /// Nothing nearer is reported, in metres.
+    /// Nothing nearer is reported, in meters.
     pub min_range_m: f64,
-    /// Nothing beyond is reported, in metres; returns thin out over the last quarter.
+    /// Nothing beyond is reported, in meters; returns thin out over the last quarter.
     pub max_range_m: f64,
-    /// Standard deviation of a range measured nearby, in metres; beams differ, far is worse.
+    /// Standard deviation of a range measured nearby, in meters; beams differ, far is worse.
     pub noise_m: f64,
-    /// Height of the sensor's origin over the road, in metres.
+    /// Height of the sensor's origin over the road, in meters.
     pub height_m: f64,
     /// Whether the car's own roof hides part of the lowest beams.
     pub own_car: bool,
@@ -90,8 +90,8 @@ impl Sensor {
     }
 
     /// The tick that a beam measures at when the firing's own tick is given.
-    pub(super) fn beam_tick(&self, beam: usize, firing_tick: u32) -> u32 {
-        let shift = self.tick_shifts.get(beam).copied().unwrap_or(0);
+    pub(super) fn beam_tick(&self, beam: u8, firing_tick: u16) -> u32 {
+        let shift = self.tick_shifts.get(usize::from(beam)).copied().unwrap_or(0);
         let tick = i64::from(firing_tick) + i64::from(shift);
         tick.rem_euclid(i64::from(self.ticks)) as u32
     }
@@ -99,13 +99,18 @@ impl Sensor {
 
 /// Beam of the VLP-16's data sheet: +15 to -15 degrees, each with its vertical correction.
 fn vlp16_beam(beam: u32) -> Beam {
-    const HEIGHTS_MM: [f64; 16] = [
-        11.2, 9.7, 8.1, 6.6, 5.1, 3.7, 2.2, 0.7, -0.7, -2.2, -3.7, -5.1, -6.6, -8.1, -9.7, -11.2,
-    ];
+    const HEIGHTS_MM: [f64; 16] =
+        [11.2, 9.7, 8.1, 6.6, 5.1, 3.7, 2.2, 0.7, -0.7, -2.2, -3.7, -5.1, -6.6, -8.1, -9.7, -11.2];
     let slope = libm::tan((15.0 - 2.0 * f64::from(beam)).to_radians());
     // The data sheet's correction is added to z; it grows from low to high.
     let z_offset_m = -HEIGHTS_MM[beam as usize] / 1000.0;
-    Beam::new(slope, z_offset_m, 0.0, 0.0, 0.0)
+    Beam {
+        slope: slope as f32,
+        z_offset_m: z_offset_m as f32,
+        h_offset_m: 0.0,
+        azimuth_phase_rad: 0.0,
+        range_phase_m: 0.0,
+    }
 }
 
 /// Lasers of one firing look up to 10 degrees to either side: every twelfth alike, the lower block
@@ -139,15 +144,14 @@ pub(super) struct Lattice {
 
 impl Lattice {
     pub(super) fn new(sensor: &Sensor, beam: &Beam) -> Self {
-        let v = libm::atan(beam.slope);
-        let (sin_v, cos_v) = libm::sincos(v);
+        let (sin_v, cos_v) = libm::sincos(libm::atan(f64::from(beam.slope)));
         Self {
             cos_v,
             sin_v,
-            vo: beam.z_offset_m * cos_v,
-            h: beam.h_offset_m,
-            azimuth_phase_rad: beam.azimuth_phase_deg.to_radians(),
-            range_phase_m: beam.range_phase_m,
+            vo: f64::from(beam.z_offset_m) * cos_v,
+            h: f64::from(beam.h_offset_m),
+            azimuth_phase_rad: f64::from(beam.azimuth_phase_rad),
+            range_phase_m: f64::from(beam.range_phase_m),
             rad_per_tick: core::f64::consts::TAU / f64::from(sensor.ticks),
             range_unit_m: sensor.range_unit_m,
         }
@@ -162,11 +166,7 @@ impl Lattice {
         let (sin, cos) = self.sincos(tick);
         let a = -self.vo * self.sin_v;
         Ray {
-            origin: [
-                a * cos + self.h * sin,
-                a * sin - self.h * cos,
-                self.vo * self.cos_v,
-            ],
+            origin: [a * cos + self.h * sin, a * sin - self.h * cos, self.vo * self.cos_v],
             direction: [self.cos_v * cos, self.cos_v * sin, self.sin_v],
         }
     }
@@ -176,7 +176,7 @@ impl Lattice {
         libm::round((range_m - self.range_phase_m) / self.range_unit_m) as u32
     }
 
-    /// The range that a count stands for, in metres.
+    /// The range that a count stands for, in meters.
     pub(super) fn range_m(&self, count: u32) -> f64 {
         f64::from(count) * self.range_unit_m + self.range_phase_m
     }
@@ -186,10 +186,6 @@ impl Lattice {
         let (sin, cos) = self.sincos(tick);
         let d = self.range_m(count);
         let a = d * self.cos_v - self.vo * self.sin_v;
-        [
-            a * cos + self.h * sin,
-            a * sin - self.h * cos,
-            d * self.sin_v + self.vo * self.cos_v,
-        ]
+        [a * cos + self.h * sin, a * sin - self.h * cos, d * self.sin_v + self.vo * self.cos_v]
     }
 }

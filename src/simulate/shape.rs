@@ -22,7 +22,7 @@ pub(super) struct Span {
     pub(super) cos_incidence: f64,
     /// True where the ray met a side, false where it met the top or bottom.
     pub(super) side: bool,
-    /// Where along the side, in metres from its middle.
+    /// Where along the side, in meters from its middle.
     pub(super) along_m: f64,
 }
 
@@ -46,29 +46,18 @@ pub(super) struct Shape {
 
 impl Shape {
     /// An upright box between two heights.
-    pub(super) fn upright(
-        center: [f64; 2],
-        half: [f64; 2],
-        heights: [f64; 2],
-        heading: [f64; 2],
-    ) -> Self {
+    pub(super) fn upright(center: [f64; 2], half: [f64; 2], heights: [f64; 2], heading: [f64; 2]) -> Self {
         Self {
-            center: [center[0], center[1], (heights[0] + heights[1]) / 2.0],
-            form: Form::Box {
-                half: [half[0], half[1], (heights[1] - heights[0]) / 2.0],
-                heading,
-            },
+            center: [center[0], center[1], f64::midpoint(heights[0], heights[1])],
+            form: Form::Box { half: [half[0], half[1], (heights[1] - heights[0]) / 2.0], heading },
         }
     }
 
     /// An upright cylinder between two heights.
     pub(super) fn cylinder(center: [f64; 2], radius: f64, heights: [f64; 2]) -> Self {
         Self {
-            center: [center[0], center[1], (heights[0] + heights[1]) / 2.0],
-            form: Form::Cylinder {
-                radius,
-                half_height: (heights[1] - heights[0]) / 2.0,
-            },
+            center: [center[0], center[1], f64::midpoint(heights[0], heights[1])],
+            form: Form::Cylinder { radius, half_height: (heights[1] - heights[0]) / 2.0 },
         }
     }
 
@@ -77,10 +66,7 @@ impl Shape {
         let offset = [0, 1, 2].map(|axis| ray.origin[axis] - self.center[axis]);
         match self.form {
             Form::Box { half, heading } => box_span(offset, ray.direction, half, heading),
-            Form::Cylinder {
-                radius,
-                half_height,
-            } => cylinder_span(offset, ray.direction, radius, half_height),
+            Form::Cylinder { radius, half_height } => cylinder_span(offset, ray.direction, radius, half_height),
             Form::Ellipsoid { half } => ellipsoid_span(offset, ray.direction, half),
         }
     }
@@ -95,10 +81,7 @@ impl Shape {
         [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]].map(|[along, across]| {
             let u = along * (half[0] + margin_m);
             let w = across * (half[1] + margin_m);
-            [
-                self.center[0] + cos * u - sin * w,
-                self.center[1] + sin * u + cos * w,
-            ]
+            [self.center[0] + cos * u - sin * w, self.center[1] + sin * u + cos * w]
         })
     }
 }
@@ -108,12 +91,7 @@ fn turned_back([x, y]: [f64; 2], [cos, sin]: [f64; 2]) -> [f64; 2] {
     [cos * x + sin * y, cos * y - sin * x]
 }
 
-fn box_span(
-    offset: [f64; 3],
-    direction: [f64; 3],
-    half: [f64; 3],
-    heading: [f64; 2],
-) -> Option<Span> {
+fn box_span(offset: [f64; 3], direction: [f64; 3], half: [f64; 3], heading: [f64; 2]) -> Option<Span> {
     let [ox, oy] = turned_back([offset[0], offset[1]], heading);
     let [dx, dy] = turned_back([direction[0], direction[1]], heading);
     let (o, d) = ([ox, oy, offset[2]], [dx, dy, direction[2]]);
@@ -148,12 +126,7 @@ fn slab(offset: f64, direction: f64, half: f64) -> Option<(f64, f64)> {
     Some((one.min(other), one.max(other)))
 }
 
-fn cylinder_span(
-    offset: [f64; 3],
-    direction: [f64; 3],
-    radius: f64,
-    half_height: f64,
-) -> Option<Span> {
+fn cylinder_span(offset: [f64; 3], direction: [f64; 3], radius: f64, half_height: f64) -> Option<Span> {
     let flat = direction[0] * direction[0] + direction[1] * direction[1];
     let toward = offset[0] * direction[0] + offset[1] * direction[1];
     let beside = offset[0] * offset[0] + offset[1] * offset[1] - radius * radius;
@@ -165,18 +138,8 @@ fn cylinder_span(
         return None;
     }
     let side = round_in >= flat_in;
-    let cos_incidence = if side {
-        (toward + enter_m * flat).abs() / radius
-    } else {
-        direction[2].abs()
-    };
-    Some(Span {
-        enter_m,
-        leave_m,
-        cos_incidence,
-        side,
-        along_m: 0.0,
-    })
+    let cos_incidence = if side { (toward + enter_m * flat).abs() / radius } else { direction[2].abs() };
+    Some(Span { enter_m, leave_m, cos_incidence, side, along_m: 0.0 })
 }
 
 fn ellipsoid_span(offset: [f64; 3], direction: [f64; 3], half: [f64; 3]) -> Option<Span> {
@@ -186,13 +149,7 @@ fn ellipsoid_span(offset: [f64; 3], direction: [f64; 3], half: [f64; 3]) -> Opti
     let toward = o[0] * d[0] + o[1] * d[1] + o[2] * d[2];
     let outside = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] - 1.0;
     let (enter_m, leave_m) = roots(square, toward, outside)?;
-    (enter_m > 0.0).then_some(Span {
-        enter_m,
-        leave_m,
-        cos_incidence: 1.0,
-        side: true,
-        along_m: 0.0,
-    })
+    (enter_m > 0.0).then_some(Span { enter_m, leave_m, cos_incidence: 1.0, side: true, along_m: 0.0 })
 }
 
 /// Roots of `a t² + 2 b t + c`, the smaller first.
@@ -209,10 +166,7 @@ fn roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::{Form, Ray, Shape};
 
-    const FORWARD: Ray = Ray {
-        origin: [0.0, 0.0, 1.0],
-        direction: [1.0, 0.0, 0.0],
-    };
+    const FORWARD: Ray = Ray { origin: [0.0, 0.0, 1.0], direction: [1.0, 0.0, 0.0] };
 
     #[test]
     fn a_ray_meets_a_box_at_its_near_face() {
@@ -226,29 +180,16 @@ mod tests {
     fn a_ray_meets_a_cylinder_and_an_ellipsoid_at_their_near_points() {
         let trunk = Shape::cylinder([10.0, 0.0], 0.5, [0.0, 3.0]);
         assert_eq!(trunk.span(&FORWARD).map(|span| span.enter_m), Some(9.5));
-        let crown = Shape {
-            center: [10.0, 0.0, 1.0],
-            form: Form::Ellipsoid {
-                half: [2.0, 3.0, 4.0],
-            },
-        };
+        let crown = Shape { center: [10.0, 0.0, 1.0], form: Form::Ellipsoid { half: [2.0, 3.0, 4.0] } };
         assert_eq!(crown.span(&FORWARD).map(|span| span.enter_m), Some(8.0));
     }
 
     #[test]
     fn a_ray_passes_what_is_behind_beside_or_above() {
-        for (x, y, heights) in [
-            (-10.0, 0.0, [0.0, 3.0]),
-            (10.0, 2.0, [0.0, 3.0]),
-            (10.0, 0.0, [2.0, 3.0]),
-        ] {
+        for (x, y, heights) in [(-10.0, 0.0, [0.0, 3.0]), (10.0, 2.0, [0.0, 3.0]), (10.0, 0.0, [2.0, 3.0])] {
             let shape = Shape::upright([x, y], [1.0, 1.0], heights, [1.0, 0.0]);
             assert!(shape.span(&FORWARD).is_none());
-            assert!(
-                Shape::cylinder([x, y], 1.0, heights)
-                    .span(&FORWARD)
-                    .is_none()
-            );
+            assert!(Shape::cylinder([x, y], 1.0, heights).span(&FORWARD).is_none());
         }
     }
 }

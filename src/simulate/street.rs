@@ -5,18 +5,19 @@
 
 use super::random::Random;
 use super::shape::{Form, Shape};
+use std::vec::Vec;
 
-/// Length of a plot, in metres.
+/// Length of a plot, in meters.
 pub(super) const PLOT_M: f64 = 14.0;
 /// Every so many plots another street crosses.
 const PLOTS_A_BLOCK: i64 = 6;
-/// Distance of the kerb from the street's middle, in metres.
+/// Distance of the kerb from the street's middle, in meters.
 pub(super) const KERB_M: f64 = 6.3;
-/// Height of the kerb, in metres.
+/// Height of the kerb, in meters.
 const KERB_HEIGHT_M: f64 = 0.12;
-/// Speed of what comes the other way, in metres a second.
+/// Speed of what comes the other way, in meters a second.
 const ONCOMING_M_S: f64 = 11.0;
-/// One car comes every so many metres.
+/// One car comes every so many meters.
 const ONCOMING_GAP_M: f64 = 55.0;
 
 /// Streams of random numbers, one for each kind of choice, so that a new choice in one does not
@@ -71,19 +72,12 @@ pub(super) struct Object {
 
 impl Object {
     fn solid(shape: Shape, material: Material) -> Self {
-        Self {
-            shape,
-            material,
-            filling: Filling::Solid,
-        }
+        Self { shape, material, filling: Filling::Solid }
     }
 
     fn leaves(center: [f64; 3], half: [f64; 3], density: f64) -> Self {
         Self {
-            shape: Shape {
-                center,
-                form: Form::Ellipsoid { half },
-            },
+            shape: Shape { center, form: Form::Ellipsoid { half } },
             material: Material::Leaf,
             filling: Filling::Porous(density),
         }
@@ -150,10 +144,7 @@ impl Street {
             objects.push(Object::solid(shape, Material::Wall));
         }
         for _ in 0..4 {
-            let near = [
-                x + random.between(-9.0, 9.0),
-                side as f64 * random.between(18.0, 40.0),
-            ];
+            let near = [x + random.between(-9.0, 9.0), side as f64 * random.between(18.0, 40.0)];
             tree(&mut random, near, objects);
         }
     }
@@ -165,17 +156,10 @@ impl Street {
         let toward = side as f64;
         if random.chance(0.6) {
             let shape = Shape::upright([x, toward * line_m], [6.6, 0.5], [0.0, 1.5], AHEAD);
-            objects.push(Object {
-                shape,
-                material: Material::Leaf,
-                filling: Filling::Porous(0.75),
-            });
+            objects.push(Object { shape, material: Material::Leaf, filling: Filling::Porous(0.75) });
         }
         for _ in 0..3 {
-            let place = [
-                x + random.between(-6.0, 6.0),
-                toward * (line_m + random.between(2.0, 14.0)),
-            ];
+            let place = [x + random.between(-6.0, 6.0), toward * (line_m + random.between(2.0, 14.0))];
             if random.chance(0.4) {
                 tree(&mut random, place, objects);
             } else {
@@ -211,14 +195,9 @@ impl Street {
                 plot_middle_m(plot) + slot + random.between(-0.8, 0.8),
                 side as f64 * (KERB_M - 1.15 + random.between(-0.15, 0.15)),
             ];
-            let sine = random.between(-0.03, 0.03);
+            let askew = random.between(-0.03, 0.03);
             if random.chance(0.45) {
-                car(
-                    &mut random,
-                    place,
-                    [libm::sqrt(1.0 - sine * sine), sine],
-                    objects,
-                );
+                car(&mut random, place, [libm::sqrt(1.0 - askew * askew), askew], objects);
             }
         }
     }
@@ -254,18 +233,11 @@ impl Street {
         }
         let phase = random.between(0.0, 40.0) + 1.3 * time_s;
         let along = phase - 40.0 * libm::floor(phase / 40.0);
-        let place = [
-            plot_middle_m(plot) + (along - 20.0).abs() - 10.0,
-            side as f64 * (KERB_M + random.between(0.9, 2.4)),
-        ];
+        let place =
+            [plot_middle_m(plot) + (along - 20.0).abs() - 10.0, side as f64 * (KERB_M + random.between(0.9, 2.4))];
         let legs = Shape::cylinder(place, 0.14, [0.12, 0.95]);
         let body = Shape::cylinder(place, 0.23, [0.9, 1.5]);
-        let head = Shape {
-            center: [place[0], place[1], 1.65],
-            form: Form::Ellipsoid {
-                half: [0.1, 0.09, 0.13],
-            },
-        };
+        let head = Shape { center: [place[0], place[1], 1.65], form: Form::Ellipsoid { half: [0.1, 0.09, 0.13] } };
         for shape in [legs, body, head] {
             objects.push(Object::solid(shape, Material::Cloth));
         }
@@ -289,7 +261,7 @@ impl Street {
         car(&mut random, place, AHEAD, objects);
     }
 
-    /// Height of the ground's unevenness: long waves and small stones, in metres.
+    /// Height of the ground's unevenness: long waves and small stones, in meters.
     pub(super) fn bump_m(self, x: f64, y: f64) -> f64 {
         let beside = y.abs() > KERB_M + 3.0;
         let (long, short) = if beside { (0.05, 0.02) } else { (0.015, 0.004) };
@@ -342,31 +314,16 @@ pub(super) fn ground(x: f64, y: f64) -> (f64, Material) {
 /// A dashed line along the middle, asphalt elsewhere.
 fn paving(x: f64, y: f64) -> Material {
     let dash = x - 9.0 * libm::floor(x / 9.0) < 4.0;
-    if dash && y.abs() < 0.08 {
-        Material::Marking
-    } else {
-        Material::Asphalt
-    }
+    if dash && y.abs() < 0.08 { Material::Marking } else { Material::Asphalt }
 }
 
 fn house(random: &mut Random, plot: i64, side: i64, line_m: f64, objects: &mut Vec<Object>) {
     const DEPTH_M: f64 = 10.0;
-    let setback_m = if random.chance(0.5) {
-        0.0
-    } else {
-        random.between(0.2, 1.6)
-    };
-    let gap_m = if random.chance(0.35) {
-        random.between(1.0, 4.0)
-    } else {
-        0.0
-    };
+    let setback_m = if random.chance(0.5) { 0.0 } else { random.between(0.2, 1.6) };
+    let gap_m = if random.chance(0.35) { random.between(1.0, 4.0) } else { 0.0 };
     let height_m = random.between(5.5, 14.0);
     let front = side as f64 * (line_m + setback_m);
-    let place = [
-        plot_middle_m(plot) - gap_m / 2.0,
-        front + side as f64 * DEPTH_M / 2.0,
-    ];
+    let place = [plot_middle_m(plot) - gap_m / 2.0, front + side as f64 * DEPTH_M / 2.0];
     let half = [(PLOT_M - gap_m) / 2.0, DEPTH_M / 2.0];
     objects.push(Object {
         shape: Shape::upright(place, half, [0.0, height_m], AHEAD),
@@ -398,11 +355,7 @@ fn bush(random: &mut Random, place: [f64; 2], objects: &mut Vec<Object>) {
     let tall = random.between(0.6, 1.5);
     let center = [place[0], place[1], 0.8 * tall];
     let density = random.between(0.35, 0.7);
-    objects.push(Object::leaves(
-        center,
-        [across * 1.3, across, tall],
-        density,
-    ));
+    objects.push(Object::leaves(center, [across * 1.3, across, tall], density));
 }
 
 /// A car of a body and a cabin; some are vans.
@@ -410,11 +363,7 @@ fn car(random: &mut Random, place: [f64; 2], heading: [f64; 2], objects: &mut Ve
     let half_length = random.between(1.9, 2.4);
     let half_width = random.between(0.83, 0.93);
     let van = random.chance(0.15);
-    let paint = if random.chance(0.35) {
-        Material::DarkPaint
-    } else {
-        Material::Paint
-    };
+    let paint = if random.chance(0.35) { Material::DarkPaint } else { Material::Paint };
     let bonnet_m = if van { 1.1 } else { 0.88 };
     let half = [half_length, half_width];
     let body = Shape::upright(place, half, [0.22, bonnet_m], heading);
@@ -426,9 +375,7 @@ fn car(random: &mut Random, place: [f64; 2], heading: [f64; 2], objects: &mut Ve
         objects.push(Object::solid(load, paint));
     } else {
         // Round as car windows are; cars stand too straight for its heading to matter.
-        let form = Form::Ellipsoid {
-            half: [half_length * 0.62, half_width - 0.06, 0.62],
-        };
+        let form = Form::Ellipsoid { half: [half_length * 0.62, half_width - 0.06, 0.62] };
         let center = [back[0], back[1], bonnet_m];
         objects.push(Object::solid(Shape { center, form }, Material::Glass));
     }

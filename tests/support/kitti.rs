@@ -29,6 +29,19 @@ pub fn full_scans() -> Option<impl Iterator<Item = Vec<[f32; 4]>>> {
     Some(paths.into_iter().map(|path| read(&path)))
 }
 
+/// The fitted beam table, five numbers a beam, or nothing and a line that says so.
+pub fn beam_table() -> Option<Vec<[f64; 5]>> {
+    let path = data().join("kitti/hdl64e_kitti_beams.csv");
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        println!("skipped: no {}", path.display());
+        return None;
+    };
+    let number = |cell: &str| cell.parse::<f64>().expect("a table of numbers");
+    let row = |line: &str| line.split(',').skip(1).map(number).collect::<Vec<f64>>();
+    let five = |line: &str| row(line).try_into().expect("five numbers a beam");
+    Some(text.lines().skip(1).map(five).collect())
+}
+
 fn read(path: &Path) -> Vec<[f32; 4]> {
     let bytes = std::fs::read(path).expect("a scan that can be listed can be read");
     let (points, rest) = bytes.as_chunks::<16>();

@@ -133,7 +133,7 @@ fn azimuth_rad(point: &[f32; 4]) -> f64 {
 fn beam_of(point: &[f32; 4]) -> u8 {
     let [x, y, z, _] = point.map(f64::from);
     let rho = libm::hypot(x, y);
-    let miss = |beam: usize| (z - (BEAMS[beam].slope * rho + BEAMS[beam].z_offset_m)).abs();
+    let miss = |beam: usize| (z - (f64::from(BEAMS[beam].slope) * rho + f64::from(BEAMS[beam].z_offset_m))).abs();
     let nearest = (0..BEAMS.len()).min_by(|&one, &other| miss(one).total_cmp(&miss(other)));
     nearest.expect("there are beams") as u8
 }
@@ -142,10 +142,7 @@ fn beam_of(point: &[f32; 4]) -> u8 {
 /// a pixel) and the number of pixels it fills.
 fn paper_image(points: &[[f32; 4]]) -> (Vec<u8>, usize) {
     let ranges = || points.iter().map(range_m);
-    let (low, high) = (
-        ranges().fold(f64::MAX, f64::min),
-        ranges().fold(0.0, f64::max),
-    );
+    let (low, high) = (ranges().fold(f64::MAX, f64::min), ranges().fold(0.0, f64::max));
     let mut image = vec![0; ROWS * COLUMNS];
     let mut filled = vec![false; ROWS * COLUMNS];
     for point in points {
