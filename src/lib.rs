@@ -21,6 +21,8 @@ mod tally;
 
 #[cfg(feature = "std")]
 mod decoder;
+#[cfg(feature = "std")]
+pub mod simulate;
 
 pub use coder::{Coder, CoderId, Rle, Store};
 pub use config::{Config, Scale};

@@ -4,6 +4,7 @@
 //! spaced.
 
 pub mod angles;
+pub mod sensors;
 #[cfg(feature = "std")]
 mod sphere;
 mod uniform;
