@@ -41,9 +41,6 @@ pub struct Config<const NODES: usize = 257> {
 impl Config {
     /// As the code that made the paper's tables: rows of 0.4187 degrees from +2 degrees, the last point wins, points
     /// above or below are clamped into the edge rows, the scale follows the frame, points come back at the corner.
-    ///
-    /// One difference: an azimuth of exactly 180 degrees, which that code puts into the last column, is in the first
-    /// here, where it belongs.
     pub const PAPER: Self = Self {
         view: UniformView::all_around(2.0, 2.0 - 64.0 * 0.4187),
         placement: Placement::Corner,

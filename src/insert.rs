@@ -3,7 +3,7 @@
 use crate::geometry::{Pixels, Projection};
 use crate::image::{ImageViewMut, Level};
 use crate::point::{BLOCK_LEN, Block, Points};
-use crate::quantize::{OutOfScale, Quantizer};
+use crate::quantize::Quantizer;
 use crate::tally::Tally;
 
 /// Which point a pixel keeps where several fall into it. Points whose levels are equal are the same to all but
@@ -57,7 +57,7 @@ pub fn insert<L: Level>(
     let mut inserter = Inserter { quantizer, policy, levels: image.levels(), tally };
     let mut pixels = Pixels::new();
     points.for_each_block(|block, len| {
-        projection.project(block, &mut pixels);
+        projection.project(block, quantizer, &mut pixels);
         inserter.insert_block(block, &pixels, len);
     });
 }
@@ -70,68 +70,77 @@ struct Inserter<'a, L: Level> {
 }
 
 impl<L: Level> Inserter<'_, L> {
-    #[inline]
     fn insert_block(&mut self, block: &Block, pixels: &Pixels, len: usize) {
-        let mut levels = [0_u32; BLOCK_LEN];
-        for (level, &range_m) in levels.iter_mut().zip(&pixels.range_m) {
-            *level = self.quantizer.rounded(range_m);
+        // One loop a policy, so that none of them asks for the policy at every point.
+        match self.policy.collision {
+            Collision::Nearest => self.insert_lanes(block, pixels, len, nearest),
+            Collision::Farthest => self.insert_lanes(block, pixels, len, Ord::max),
+            Collision::First => {
+                self.insert_lanes(block, pixels, len, |old, new| if old == L::NONE { new } else { old });
+            }
+            Collision::Last => self.insert_lanes(block, pixels, len, |_, new| new),
         }
+    }
+
+    // A function of its own: within the caller, its loop would have to share registers with everything around it.
+    #[inline(never)]
+    fn insert_lanes(&mut self, block: &Block, pixels: &Pixels, len: usize, settle: impl Fn(L, L) -> L) {
         let max_level = u32::from(self.quantizer.max_level());
         let len = len.min(BLOCK_LEN);
+        let mut lanes = pixels.pixel[..len].iter().zip(&pixels.level[..len]);
+        let mut collided = 0;
+        while let Some((&pixel, &level)) = lanes.next() {
+            if level.wrapping_sub(1) >= max_level {
+                self.count_refused(block, len - 1 - lanes.len(), level);
+                continue;
+            }
+            let mut put = |pixel: &mut L| {
+                collided += u32::from(*pixel != L::NONE);
+                *pixel = settle(*pixel, L::new(level as u16));
+            };
+            // No image has as many pixels as the marks stand for: one comparison finds both.
+            if let Some(pixel) = self.levels.get_mut(pixel as usize) {
+                put(pixel);
+            } else if let Some(pixel) = self.clamped(pixel) {
+                put(pixel);
+            }
+        }
         self.tally.points += len as u32;
-        for (i, &level) in levels.iter().enumerate().take(len) {
-            if level.wrapping_sub(1) < max_level {
-                self.insert_one(pixels.pixel[i], level as u16);
-            } else {
-                self.count_refused(pixels.range_m[i], [block.x[i], block.y[i], block.z[i]]);
-            }
-        }
+        self.tally.collided += collided;
     }
 
-    #[inline]
-    fn insert_one(&mut self, pixel: u32, level: u16) {
-        let pixel = if pixel < Pixels::CLAMPED { pixel } else { self.settle_view(pixel) };
-        match self.levels.get_mut(pixel as usize) {
-            Some(pixel) => {
-                self.tally.collided += u32::from(*pixel != L::NONE);
-                *pixel = self.policy.collision.settle(*pixel, L::new(level));
-            }
-            None => self.tally.out_of_view += 1,
-        }
-    }
-
-    /// A pixel outside the elevations: clamped and counted, or out of the image.
+    /// The edge pixel that stands for one outside the view, if the policy is to clamp; counts either.
     #[cold]
-    fn settle_view(&mut self, pixel: u32) -> u32 {
-        if pixel == Pixels::OUT_OF_VIEW || self.policy.out_of_view == OutOfView::Drop {
-            return Pixels::OUT_OF_VIEW;
-        }
-        self.tally.clamped += 1;
-        pixel & !Pixels::CLAMPED
+    #[inline(never)]
+    fn clamped(&mut self, pixel: u32) -> Option<&mut L> {
+        let clamp = self.policy.out_of_view == OutOfView::Clamp;
+        let pixel = self.levels.get_mut((pixel & !Pixels::CLAMPED) as usize).filter(|_| clamp);
+        let counter = if pixel.is_some() { &mut self.tally.clamped } else { &mut self.tally.out_of_view };
+        *counter += 1;
+        pixel
     }
 
     #[cold]
-    fn count_refused(&mut self, range_m: f32, xyz: [f32; 3]) {
-        let counter = match self.quantizer.level(range_m) {
-            _ if !xyz.iter().all(|c| c.is_finite()) => &mut self.tally.not_finite,
-            Err(OutOfScale::TooNear) if range_m == 0.0 => &mut self.tally.no_return,
-            Err(OutOfScale::TooNear) => &mut self.tally.too_near,
-            _ => &mut self.tally.beyond_range,
+    #[inline(never)]
+    fn count_refused(&mut self, block: &Block, i: usize, level: u32) {
+        let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
+        let counter = if !(x.is_finite() && y.is_finite() && z.is_finite()) {
+            &mut self.tally.not_finite
+        } else if level > 0 {
+            &mut self.tally.beyond_range
+        } else if x * x + y * y + z * z > 0.0 {
+            &mut self.tally.too_near
+        } else {
+            &mut self.tally.no_return
         };
         *counter += 1;
     }
 }
 
-impl Collision {
-    #[inline]
-    fn settle<L: Level>(self, old: L, new: L) -> L {
-        match self {
-            Self::Nearest if old != L::NONE => old.min(new),
-            Self::Farthest => old.max(new),
-            Self::First if old != L::NONE => old,
-            _ => new,
-        }
-    }
+/// The smaller of two levels, an empty pixel's counting as the largest.
+#[inline]
+fn nearest<L: Level>(old: L, new: L) -> L {
+    if old == L::NONE { new } else { old.min(new) }
 }
 
 /// Largest range among the points that are finite, meters; 0 where there is none.

@@ -7,7 +7,7 @@
 pub struct Tally {
     /// Points inserted.
     pub points: u32,
-    /// At the origin: the sensor's way of saying that nothing came back.
+    /// At the origin (or within 1e-22 m of it): the sensor's way of saying that nothing came back.
     pub no_return: u32,
     /// With a coordinate that is NaN or infinite.
     pub not_finite: u32,

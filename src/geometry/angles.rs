@@ -25,8 +25,12 @@ pub static FINE: AngleTables<257> = AngleTables::new();
 pub static COARSE: AngleTables<65> = AngleTables::new();
 
 impl<const NODES: usize> AngleTables<NODES> {
-    /// Intervals of each table.
+    /// Intervals of each table: a power of two.
     const INTERVALS: usize = NODES - 1;
+    const NODE_MASK: usize = {
+        assert!(Self::INTERVALS.is_power_of_two());
+        Self::INTERVALS - 1
+    };
 
     /// Computes both tables in double precision; meant for `static`s.
     #[must_use]
@@ -46,23 +50,30 @@ impl<const NODES: usize> AngleTables<NODES> {
         tables
     }
 
-    /// atan(t) for t in 0..=1; NaN gives 0.
+    /// atan(t) for t in 0..=1; NaN for NaN.
     #[inline]
     pub(crate) fn atan_unit(&self, t: f32) -> f32 {
-        interpolate(&self.atan, t * Self::INTERVALS as f32)
+        // A hair less than the intervals, so that 1 is still in the last one and a mask replaces a comparison.
+        let at = t * (Self::INTERVALS as f32).next_down();
+        let node = to_index(at, Self::INTERVALS as u32 - 1);
+        interpolate(&self.atan, node as usize & Self::NODE_MASK, at - node as f32)
     }
 
-    /// asin(t) for t in 0..=1/2, the last interval's line beyond (which is above asin(1/2) there); NaN gives 0.
+    /// asin(t) for t in 0..=1/2, the last interval's line beyond (which is above asin(1/2) there); NaN for NaN.
     #[inline]
     pub(crate) fn asin_half(&self, t: f32) -> f32 {
-        interpolate(&self.asin, t * (2 * Self::INTERVALS) as f32)
+        let at = t * (2 * Self::INTERVALS) as f32;
+        let last = Self::INTERVALS as u32 - 1;
+        let node = to_index(at, last).min(last);
+        interpolate(&self.asin, node as usize, at - node as f32)
     }
 
-    /// Azimuth of (x, y): radians from -pi to pi, counterclockwise from x; 0 at the origin.
+    /// Azimuth of (x, y): radians from -pi to pi, counterclockwise from x; 0 (or pi, for -0) at the origin.
     #[must_use]
     #[inline]
     pub fn atan2(&self, y: f32, x: f32) -> f32 {
-        unfold_octant(self.atan_unit(octant_ratio(y, x)), y, x)
+        let ratio = if x == 0.0 && y == 0.0 { 0.0 } else { octant_ratio(y, x) };
+        unfold_octant(self.atan_unit(ratio), y, x)
     }
 
     /// acos(c) for c in -1..=1, radians from 0 to pi.
@@ -87,13 +98,12 @@ impl<const NODES: usize> Default for AngleTables<NODES> {
     }
 }
 
-/// The smaller of |x| and |y| over the larger, 0 at the origin.
+/// The smaller of |x| and |y| over the larger; NaN at the origin.
 #[inline]
 pub(crate) fn octant_ratio(y: f32, x: f32) -> f32 {
     let (a, b) = (x.abs(), y.abs());
     let (low, high) = if a < b { (a, b) } else { (b, a) };
-    // The smallest normal number instead of 0 / 0.
-    low / if high > f32::MIN_POSITIVE { high } else { f32::MIN_POSITIVE }
+    low / high
 }
 
 /// The angle of the octant ratio's arc tangent, put back into the octant of (x, y).
@@ -118,10 +128,9 @@ pub(crate) fn unfold_half_angle(near: f32, c: f32) -> f32 {
 }
 
 #[inline]
-fn interpolate<const NODES: usize>(table: &[f32; NODES], at: f32) -> f32 {
-    let node = to_index(at, NODES as u32 - 2) as usize;
+fn interpolate<const NODES: usize>(table: &[f32; NODES], node: usize, beyond: f32) -> f32 {
     let (low, high) = (table[node], table[node + 1]);
-    low + (high - low) * (at - node as f32)
+    low + (high - low) * beyond
 }
 
 /// atan x for x of at most 1/64: the next term is below 2^-64.

@@ -14,26 +14,28 @@ pub(crate) use sphere::Sphere;
 pub use uniform::{Placement, UniformGrid, UniformView};
 
 use crate::point::{BLOCK_LEN, Block};
+use crate::quantize::Quantizer;
 
 /// Where the points of a [`Block`] fall: one lane each.
 #[derive(Debug, Clone)]
 pub struct Pixels {
-    /// Row times columns plus column; with [`Pixels::CLAMPED`] where the elevation is outside the view and the edge
-    /// row stands for it, [`Pixels::OUT_OF_VIEW`] where the azimuth is outside.
+    /// Row times columns plus column; with [`Pixels::CLAMPED`] set where the elevation is outside the view and the
+    /// edge row stands for it, [`Pixels::OUT_OF_VIEW`] where the azimuth is outside.
     pub pixel: [u32; BLOCK_LEN],
-    /// Distance from the sensor, meters; not finite where a coordinate is not, or their squares overflow.
-    pub range_m: [f32; BLOCK_LEN],
+    /// Range in quantizer steps, rounded: 0 where the point is too near (or no return, or not finite), more than the
+    /// quantizer's largest level where it is too far.
+    pub level: [u32; BLOCK_LEN],
 }
 
 impl Pixels {
     /// Mark of a pixel in the first or last row that stands for an elevation outside the view.
     pub const CLAMPED: u32 = 1 << 31;
-    /// Pixel of a point whose azimuth is outside the view.
-    pub const OUT_OF_VIEW: u32 = u32::MAX;
+    /// Mark of a point whose azimuth is outside the view; the rest of the number means nothing then.
+    pub const OUT_OF_VIEW: u32 = 1 << 30;
 
     /// Pixels to be written by [`Projection::project`].
     pub const fn new() -> Self {
-        Self { pixel: [0; BLOCK_LEN], range_m: [0.0; BLOCK_LEN] }
+        Self { pixel: [0; BLOCK_LEN], level: [0; BLOCK_LEN] }
     }
 }
 
@@ -49,7 +51,7 @@ pub trait Projection {
     fn rows(&self) -> u16;
     /// Columns of the image.
     fn columns(&self) -> u16;
-    /// The pixel and range of every lane of `block`. Lanes that hold no finite point get any pixel and their range
-    /// says so.
-    fn project(&self, block: &Block, pixels: &mut Pixels);
+    /// The pixel and level of every lane of `block`. A point on the axis of rotation has no azimuth and gets any
+    /// column.
+    fn project(&self, block: &Block, quantizer: &Quantizer, pixels: &mut Pixels);
 }

@@ -7,6 +7,7 @@ use super::{Pixels, Projection};
 use crate::error::ConfigError;
 use crate::kernel;
 use crate::point::Block;
+use crate::quantize::Quantizer;
 
 /// Most pixels of an image: row-major places leave the two topmost bits to marks.
 const PIXELS_MAX: usize = 1 << 30;
@@ -95,8 +96,8 @@ pub struct UniformGrid<const NODES: usize = 257> {
     pub(crate) last_column: u32,
     pub(crate) rows_per_rad: f32,
     pub(crate) columns_per_rad: f32,
-    pub(crate) all_around: bool,
-    pub(crate) reaches_beyond_30_deg: bool,
+    /// All around from -pi and within 30 degrees of the horizon: the kernel's shortest way will do.
+    pub(crate) is_plain: bool,
     tables: &'static AngleTables<NODES>,
 }
 
@@ -134,10 +135,12 @@ impl<const NODES: usize> UniformGrid<NODES> {
             view,
             last_row: rows as u32 - 1,
             last_column: columns as u32 - 1,
-            all_around: view.span_rad == TAU,
-            reaches_beyond_30_deg: view.top_rad > FRAC_PI_6 || view.bottom_rad < -FRAC_PI_6,
+            is_plain: view.span_rad == TAU
+                && view.start_rad == -PI
+                && view.top_rad <= FRAC_PI_6
+                && view.bottom_rad >= -FRAC_PI_6,
             rows_per_rad: rows as f32 / (view.top_rad - view.bottom_rad),
-            columns_per_rad: columns as f32 / view.span_rad,
+            columns_per_rad: columns_per_rad(columns as f32, view.span_rad),
             tables,
         })
     }
@@ -155,6 +158,15 @@ impl<const NODES: usize> UniformGrid<NODES> {
     }
 }
 
+/// The largest scale by which the end of the span is still in the last column, rounding included.
+const fn columns_per_rad(columns: f32, span_rad: f32) -> f32 {
+    let mut scale = columns / span_rad;
+    while span_rad * scale >= columns {
+        scale = scale.next_down();
+    }
+    scale
+}
+
 impl<const NODES: usize> Projection for UniformGrid<NODES> {
     fn rows(&self) -> u16 {
         self.rows
@@ -164,7 +176,7 @@ impl<const NODES: usize> Projection for UniformGrid<NODES> {
         self.columns
     }
 
-    fn project(&self, block: &Block, pixels: &mut Pixels) {
-        kernel::project_uniform(self, block, pixels);
+    fn project(&self, block: &Block, quantizer: &Quantizer, pixels: &mut Pixels) {
+        kernel::project_uniform(self, quantizer, block, pixels);
     }
 }

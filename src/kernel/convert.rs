@@ -1,14 +1,19 @@
-//! Float to index, the cheapest way of each target; all give the same.
+//! Float to integer, the cheapest way of each target.
+//!
+//! Between 0 and `max` all give the same. Above `max` a target may give `max` or any number above it: callers make no
+//! difference between these.
 #![allow(unsafe_code, reason = "x86-64 pays ten instructions for a conversion that saturates on its own")]
 
-/// The whole part of `v`, no less than 0 and no more than `max`; NaN gives 0. `max` must be below 2^24.
+/// The whole part of `v` where that is from 0 to `max`, 0 below and for NaN, at least `max` above. `max` must be below
+/// 2^24.
 #[inline(always)]
 #[cfg(not(target_arch = "x86_64"))]
-pub(crate) fn to_index(v: f32, max: u32) -> u32 {
-    (v as u32).min(max)
+pub(crate) fn to_index(v: f32, _max: u32) -> u32 {
+    v as u32
 }
 
-/// The whole part of `v`, no less than 0 and no more than `max`; NaN gives 0. `max` must be below 2^24.
+/// The whole part of `v` where that is from 0 to `max`, 0 below and for NaN, at least `max` above. `max` must be below
+/// 2^24.
 #[inline(always)]
 #[cfg(target_arch = "x86_64")]
 pub(crate) fn to_index(v: f32, max: u32) -> u32 {

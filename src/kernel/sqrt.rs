@@ -3,14 +3,23 @@
 
 /// Square root of `v`; NaN below zero.
 #[inline(always)]
-#[cfg(all(target_arch = "arm", target_feature = "vfp2"))]
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
 pub(crate) fn sqrt(v: f32) -> f32 {
-    let root: f32;
-    // SAFETY: the instruction exists wherever `vfp2` is enabled, reads one register and writes another.
+    let mut bits = v.to_bits();
+    // rustc hands out single-precision registers only where there are double-precision ones, which a Cortex-M4F does
+    // not have: the value goes through a core register, and s0 is named as overwritten.
+    // SAFETY: hard-float targets have these instructions; they read and write one core register and s0.
     unsafe {
-        core::arch::asm!("vsqrt.f32 {}, {}", out(sreg) root, in(sreg) v, options(pure, nomem, nostack, preserves_flags));
+        core::arch::asm!(
+            "vmov s0, {0}",
+            "vsqrt.f32 s0, s0",
+            "vmov {0}, s0",
+            inout(reg) bits,
+            out("s0") _,
+            options(pure, nomem, nostack, preserves_flags),
+        );
     }
-    root
+    f32::from_bits(bits)
 }
 
 /// Square root of `v`; NaN below zero.
@@ -41,7 +50,7 @@ pub(crate) fn sqrt(v: f32) -> f32 {
 /// Square root of `v`; NaN below zero.
 #[inline(always)]
 #[cfg(not(any(
-    all(target_arch = "arm", target_feature = "vfp2"),
+    all(target_arch = "arm", target_abi = "eabihf"),
     all(target_arch = "aarch64", target_feature = "neon"),
     target_arch = "x86_64"
 )))]

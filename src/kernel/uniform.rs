@@ -11,54 +11,72 @@ use crate::geometry::angles::{AngleTables, half_angle_argument, octant_ratio, un
 use crate::geometry::{Pixels, UniformGrid};
 use crate::kernel::{sqrt, to_index};
 use crate::point::{BLOCK_LEN, Block};
+use crate::quantize::Quantizer;
 
-/// The pixel and the range of every lane.
+/// The pixel and the level of every lane.
 #[inline(never)]
-pub(crate) fn project_uniform<const NODES: usize>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
-    if grid.reaches_beyond_30_deg {
-        project::<NODES, true>(grid, block, pixels);
+pub(crate) fn project_uniform<const NODES: usize>(
+    grid: &UniformGrid<NODES>,
+    quantizer: &Quantizer,
+    block: &Block,
+    pixels: &mut Pixels,
+) {
+    if grid.is_plain {
+        project::<NODES, true>(grid, quantizer, block, pixels);
     } else {
-        project::<NODES, false>(grid, block, pixels);
+        project::<NODES, false>(grid, quantizer, block, pixels);
     }
 }
 
 #[inline(always)]
 #[cfg(not(target_arch = "arm"))]
-fn project<const NODES: usize, const WIDE: bool>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
+fn project<const NODES: usize, const PLAIN: bool>(
+    grid: &UniformGrid<NODES>,
+    quantizer: &Quantizer,
+    block: &Block,
+    pixels: &mut Pixels,
+) {
     const ZERO: [f32; BLOCK_LEN] = [0.0; BLOCK_LEN];
     let (mut octant, mut sine, mut near) = (ZERO, ZERO, ZERO);
     for i in 0..BLOCK_LEN {
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
-        (pixels.range_m[i], octant[i], sine[i], near[i]) = to_ratios::<WIDE>(x, y, z);
+        let range_m;
+        (range_m, octant[i], sine[i], near[i]) = to_ratios::<PLAIN>(x, y, z);
+        pixels.level[i] = quantizer.rounded(range_m);
     }
     for (octant, near) in octant.iter_mut().zip(&mut near) {
         (*octant, *near) = look_up(grid.tables(), *octant, *near);
     }
     for i in 0..BLOCK_LEN {
         let azimuth = unfold_octant(octant[i], block.y[i], block.x[i]);
-        pixels.pixel[i] = to_pixel(grid, azimuth, unfold_elevation::<WIDE>(near[i], sine[i]));
+        pixels.pixel[i] = to_pixel::<NODES, PLAIN>(grid, azimuth, unfold_elevation::<PLAIN>(near[i], sine[i]));
     }
 }
 
 #[inline(always)]
 #[cfg(target_arch = "arm")]
-fn project<const NODES: usize, const WIDE: bool>(grid: &UniformGrid<NODES>, block: &Block, pixels: &mut Pixels) {
+fn project<const NODES: usize, const PLAIN: bool>(
+    grid: &UniformGrid<NODES>,
+    quantizer: &Quantizer,
+    block: &Block,
+    pixels: &mut Pixels,
+) {
     for i in 0..BLOCK_LEN {
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
-        let (range_m, octant, sine, near) = to_ratios::<WIDE>(x, y, z);
+        let (range_m, octant, sine, near) = to_ratios::<PLAIN>(x, y, z);
         let (octant, near) = look_up(grid.tables(), octant, near);
         let azimuth = unfold_octant(octant, y, x);
-        pixels.range_m[i] = range_m;
-        pixels.pixel[i] = to_pixel(grid, azimuth, unfold_elevation::<WIDE>(near, sine));
+        pixels.level[i] = quantizer.rounded(range_m);
+        pixels.pixel[i] = to_pixel::<NODES, PLAIN>(grid, azimuth, unfold_elevation::<PLAIN>(near, sine));
     }
 }
 
 /// The range; min(|x|, |y|) / max(|x|, |y|); z / range; and what the arc sine's table has of that.
 #[inline(always)]
-fn to_ratios<const WIDE: bool>(x: f32, y: f32, z: f32) -> (f32, f32, f32, f32) {
+fn to_ratios<const PLAIN: bool>(x: f32, y: f32, z: f32) -> (f32, f32, f32, f32) {
     let range_m = sqrt(x * x + y * y + z * z);
     let sine = z / range_m;
-    let near = if WIDE { half_angle_argument(sine.abs()) } else { sine.abs() };
+    let near = if PLAIN { sine.abs() } else { half_angle_argument(sine.abs()) };
     (range_m, octant_ratio(y, x), sine, near)
 }
 
@@ -68,28 +86,21 @@ fn look_up<const NODES: usize>(tables: &AngleTables<NODES>, octant: f32, near: f
 }
 
 #[inline(always)]
-fn unfold_elevation<const WIDE: bool>(near: f32, sine: f32) -> f32 {
-    if WIDE { unfold_half_angle(near, sine) } else { near.copysign(sine) }
+fn unfold_elevation<const PLAIN: bool>(near: f32, sine: f32) -> f32 {
+    if PLAIN { near.copysign(sine) } else { unfold_half_angle(near, sine) }
 }
 
 #[inline(always)]
-fn to_pixel<const NODES: usize>(grid: &UniformGrid<NODES>, azimuth: f32, elevation: f32) -> u32 {
+fn to_pixel<const NODES: usize, const PLAIN: bool>(grid: &UniformGrid<NODES>, azimuth: f32, elevation: f32) -> u32 {
     let from_start = azimuth - grid.view().start_rad;
-    let in_turn = if from_start < 0.0 { from_start + TAU } else { from_start };
+    let in_turn = if !PLAIN && from_start < 0.0 { from_start + TAU } else { from_start };
     let column = to_index(in_turn * grid.columns_per_rad, grid.last_column + 1);
-    let from_top = grid.view().top_rad - elevation;
-    let row_from_one = to_index(from_top * grid.rows_per_rad + 1.0, grid.last_row + 2);
-    place(grid, row_from_one, column)
-}
-
-/// Row-major place of a pixel; rows above and below are clamped into the edge rows and marked so.
-#[inline(always)]
-fn place<const NODES: usize>(grid: &UniformGrid<NODES>, row_from_one: u32, column: u32) -> u32 {
-    let above_or_row = row_from_one.wrapping_sub(1);
-    let row = if row_from_one == 0 { 0 } else { above_or_row.min(grid.last_row) };
-    let mark = if above_or_row > grid.last_row { Pixels::CLAMPED } else { 0 };
-    let pixel = (row * (grid.last_column + 1) + column) | mark;
-    // The column behind the last is the first again, or out of view.
-    let behind = if grid.all_around { pixel - column } else { Pixels::OUT_OF_VIEW };
-    if column > grid.last_column { behind } else { pixel }
+    // All around, no product reaches the column behind the last.
+    let column = if !PLAIN && column > grid.last_column { Pixels::OUT_OF_VIEW } else { column };
+    let from_top = (grid.view().top_rad - elevation) * grid.rows_per_rad;
+    let row = to_index(from_top, grid.last_row + 1);
+    let below = if row > grid.last_row { Pixels::CLAMPED } else { 0 };
+    // The sign bit of a point above the view is the mark of a clamped one.
+    let above = from_top.to_bits() & Pixels::CLAMPED;
+    (row.min(grid.last_row) * (grid.last_column + 1) + column) | below | above
 }
