@@ -22,6 +22,10 @@ mod tally;
 #[cfg(feature = "std")]
 mod decoder;
 #[cfg(feature = "std")]
+pub mod files;
+#[cfg(feature = "std")]
+pub mod metrics;
+#[cfg(feature = "std")]
 pub mod simulate;
 
 pub use coder::{Coder, CoderId, Rle, Store};
