@@ -473,45 +473,6 @@ fn lists_of_other_lengths_are_not_written() {
     assert!(!path.exists());
 }
 
-// --- real files -------------------------------------------------------------------------------------------------------
-
-fn real(name: &str) -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let path = std::env::var_os("FLICR_DATA").map_or_else(default, PathBuf::from).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no {name} under FLICR_DATA");
-    None
-}
-
-#[test]
-fn real_files_are_read() {
-    let expected = [
-        ("hesai/pandar40p_dual.reference.pcd", 56_762, None),
-        ("hesai/xt32_dual.reference.pcd", 63_021, None),
-        ("kitti/drive/000000.bin", 123_398, None),
-        ("velodyne/vlp16_dual.scan00.xyzir.bin", 14_981, Some(15)),
-        ("robosense/helios16p.scan00.xyzir.bin", 15_258, Some(15)),
-    ];
-    for (name, points, last_ring) in expected {
-        if let Some(path) = real(name) {
-            let found = files::read(&path).unwrap();
-            assert_eq!(found.points.len(), points, "{name}");
-            assert_eq!(found.rings.and_then(|rings| rings.into_iter().max()), last_ring, "{name}");
-        }
-    }
-}
-
-#[test]
-fn real_pcd_files_are_what_pcd_rs_reads() {
-    for name in ["hesai/pandar40p_dual.reference.pcd", "hesai/xt32_dual.reference.pcd"] {
-        let Some(path) = real(name) else { continue };
-        let records = DynReader::open(&path).unwrap().map(|record| record.unwrap().to_xyz().unwrap());
-        assert_eq!(files::read(&path).unwrap().points, records.collect::<Vec<[f32; 3]>>());
-    }
-}
-
 // --- anything at all --------------------------------------------------------------------------------------------------
 
 fn any_cloud() -> impl Strategy<Value = PointCloud> {

@@ -2,7 +2,6 @@
 #![cfg(feature = "std")]
 #![allow(clippy::unreadable_literal, reason = "as the reference script prints them")]
 
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use flicr::metrics::{
@@ -74,36 +73,6 @@ const LARGE: Quality = Quality {
     cd_mean_m: 1.1108700142852515,
     max_error_m: 0.213687740339286,
     max_error_reverse_m: 14.950321876659324,
-};
-const NEXT_TURN: Quality = Quality {
-    mse_m2: 0.07909349606882987,
-    mse_reverse_m2: 0.07465899265574956,
-    psnr_db: 49.08039201453977,
-    psnr_reverse_db: 49.330978481176935,
-    cd_m2: 0.15375248872457942,
-    cd_mean_m: 0.17266243151616487,
-    max_error_m: 6.872784941971224,
-    max_error_reverse_m: 6.053790032746123,
-};
-const LATTICE: Quality = Quality {
-    mse_m2: 0.008829774109573797,
-    mse_reverse_m2: 0.008647732146226932,
-    psnr_db: 58.60230380737064,
-    psnr_reverse_db: 58.692777446132325,
-    cd_m2: 0.017477506255800728,
-    cd_mean_m: 0.0866111980602339,
-    max_error_m: 0.21020023385714054,
-    max_error_reverse_m: 0.21020023385714054,
-};
-const EVERY_FIFTH: Quality = Quality {
-    mse_m2: 0.0,
-    mse_reverse_m2: 0.033932567060118865,
-    psnr_db: f64::INFINITY,
-    psnr_reverse_db: 52.75563257932266,
-    cd_m2: 0.033932567060118865,
-    cd_mean_m: 0.03927322711765031,
-    max_error_m: 0.0,
-    max_error_reverse_m: 11.00455715930888,
 };
 
 /// The generator of the reference script: 24 good bits a step.
@@ -191,28 +160,6 @@ fn agrees_with_scipy_on_degenerate_clouds() {
     assert_close(&compare_synthetic(2_000, Shape::Flat), &FLAT);
     assert_close(&compare_synthetic(2_000, Shape::Line), &LINE);
     assert_close(&compare_synthetic(2_000, Shape::Repeated), &REPEATED);
-}
-
-fn drive_scan(name: &str) -> Option<Cloud3> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let data = std::env::var_os("FLICR_DATA").map_or_else(default, PathBuf::from);
-    let bytes = std::fs::read(data.join("kitti/drive").join(name)).ok()?;
-    let coordinate = |point: &[u8], axis: usize| f32::from_le_bytes(point[4 * axis..4 * axis + 4].try_into().unwrap());
-    let points = bytes.chunks_exact(16).map(|point| std::array::from_fn(|axis| coordinate(point, axis)));
-    Some(points.collect())
-}
-
-#[test]
-fn agrees_with_scipy_on_real_scans() {
-    let (Some(scan), Some(next)) = (drive_scan("000000.bin"), drive_scan("000001.bin")) else {
-        println!("skipped: no kitti/drive under FLICR_DATA");
-        return;
-    };
-    let lattice: Cloud3 = scan.iter().map(|point| point.map(|c| (c * 8.0).floor() / 8.0)).collect();
-    let every_fifth: Cloud3 = scan.iter().step_by(5).copied().collect();
-    assert_close(&compare(&scan, &next, PAPER_MAX_RANGE_M).unwrap(), &NEXT_TURN);
-    assert_close(&compare(&scan, &lattice, PAPER_MAX_RANGE_M).unwrap(), &LATTICE);
-    assert_close(&compare(&scan, &every_fifth, PAPER_MAX_RANGE_M).unwrap(), &EVERY_FIFTH);
 }
 
 // --- against a search that tries every pair ---------------------------------------------------------------------------

@@ -1,15 +1,13 @@
 //! The simulated sensor keeps its promises: exact on its grid, the same everywhere, like KITTI.
 #![cfg(feature = "std")]
 
-mod support;
+mod common;
 
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
 
+use common::statistics::Statistics;
 use flicr::geometry::sensors::{Beam, hdl64e};
 use flicr::simulate::{EgoMotion, Return, Sensor, Simulator, Turn};
-use support::kitti;
-use support::statistics::{Statistics, median};
 
 /// `codec.md`'s way from a point to (tick, count), written on its own: nothing is shared with the
 /// simulator but the beam table.
@@ -58,20 +56,6 @@ fn ticks_rounded_away(sensor: &Sensor, [x, y, ..]: [f32; 4]) -> i64 {
     let rounded_rad = 0.000_708 / libm::hypot(f64::from(x), f64::from(y));
     let tick_rad = TAU / f64::from(sensor.ticks);
     libm::floor(rounded_rad / tick_rad + 0.5) as i64
-}
-
-#[test]
-fn the_beam_table_is_the_fit() {
-    let Some(table) = kitti::beam_table() else {
-        return;
-    };
-    assert_eq!(table.len(), 64);
-    for (row, beam) in table.iter().zip(&hdl64e::BEAMS) {
-        let found = [beam.slope, beam.z_offset_m, beam.h_offset_m, beam.azimuth_phase_rad, beam.range_phase_m];
-        let [slope, z_offset_m, h_offset_m, azimuth_phase_deg, range_phase_m] = *row;
-        let fit = [slope, z_offset_m, h_offset_m, azimuth_phase_deg.to_radians(), range_phase_m];
-        assert_eq!(found, fit.map(|number| number as f32));
-    }
 }
 
 #[test]
@@ -184,39 +168,14 @@ fn a_standing_sensor_sees_the_same_street_again() {
     assert!((0.9..1.1).contains(&share), "{share}");
 }
 
-/// Medians over seven turns of as many streets.
-static SIMULATED: LazyLock<Statistics> = LazyLock::new(|| {
-    let turns = (1..=7).map(|seed| Simulator::hdl64e(seed).turn(11 * seed));
-    median(turns.map(|turn| Statistics::of(&turn.points)))
-});
-
 /// What KITTI's 29 full raw scans have, roughly: holds without the data, too.
 #[test]
 fn statistics_are_those_of_a_street() {
-    let found = &*SIMULATED;
+    let found = Statistics::simulated();
     println!("simulated: {found}");
     assert!((110_000.0..125_000.0).contains(&found.points));
     assert!((0.09..0.20).contains(&found.empty));
     assert!((0.07..0.09).contains(&found.lost));
     assert!((0.012..0.020).contains(&found.step_m));
     assert!((36_000.0..60_500.0).contains(&found.zlib_len));
-}
-
-#[test]
-fn statistics_are_those_of_real_scans() {
-    let Some(scans) = kitti::full_scans() else {
-        return;
-    };
-    // Every third: neighbours in a drive are much alike, and a debug build is slow.
-    let real = median(scans.step_by(3).map(|points| Statistics::of(&points)));
-    let found = &*SIMULATED;
-    println!("real:      {real}\nsimulated: {found}");
-    let within = |found: f64, real: f64, share: f64| (found / real - 1.0).abs() < share;
-    assert!(within(found.points, real.points, 0.05));
-    assert!(within(found.empty, real.empty, 0.35));
-    assert!(within(found.lost, real.lost, 0.15));
-    assert!(within(found.step_m, real.step_m, 0.25));
-    assert!(within(found.top_step_m, real.top_step_m, 0.35));
-    assert!(within(found.zlib_len, real.zlib_len, 0.25));
-    assert!(within(found.intensity_bits, real.intensity_bits, 0.15));
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use flicr::geometry::sensors::hdl64e::BEAMS;
+use flicr::simulate::Simulator;
 
 /// Firings of a turn, for the share of empty ones.
 const FIRINGS: f64 = 2150.0;
@@ -27,6 +28,14 @@ pub struct Statistics {
     pub intensity_bits: f64,
     /// Share of returns beyond 40 m.
     pub far: f64,
+}
+
+impl Statistics {
+    /// Medians over seven turns of as many streets.
+    pub fn simulated() -> Self {
+        let turns = (1..=7).map(|seed| Simulator::hdl64e(seed).turn(11 * seed));
+        median(turns.map(|turn| Self::of(&turn.points)))
+    }
 }
 
 impl fmt::Display for Statistics {

@@ -1,0 +1,13 @@
+//! Columns of real points against double precision.
+
+use crate::common::xyz;
+use crate::data;
+
+#[path = "../common/reference.rs"]
+mod reference;
+
+pub fn columns_are_those_of_double_precision() {
+    for scan in data::KITTI.iter() {
+        reference::assert_columns_agree(&scan.name, &xyz(&scan.points));
+    }
+}

@@ -1,0 +1,41 @@
+//! Promises that only real scans and packets can test. Where `FLICR_DATA` (default `../shared/data`) is not there, one
+//! line says so and every one of these is counted as ignored, not as passed.
+#![allow(missing_docs)]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod data;
+mod files;
+mod geometry;
+mod metrics;
+mod paper;
+mod simulate;
+
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Trial, run};
+
+const TESTS: &[(&str, fn())] = &[
+    ("files::point_files_are_read", files::point_files_are_read),
+    ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
+    ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),
+    ("metrics::agree_with_scipy", metrics::agree_with_scipy),
+    ("paper::presets_lose_and_err_as_the_paper_does", paper::presets_lose_and_err_as_the_paper_does),
+    ("simulate::the_beam_table_is_the_fit", simulate::the_beam_table_is_the_fit),
+    ("simulate::statistics_are_those_of_real_scans", simulate::statistics_are_those_of_real_scans),
+];
+
+fn main() -> ExitCode {
+    let skip = data::FOLDER.is_none();
+    if skip {
+        eprintln!("skipped: no shared data beside the crate or at FLICR_DATA; {} tests ignored", TESTS.len());
+    }
+    let trial = |&(name, test): &(&'static str, fn())| {
+        Trial::test(name, move || {
+            test();
+            Ok(())
+        })
+        .with_ignored_flag(skip)
+    };
+    run(&Arguments::from_args(), TESTS.iter().map(trial).collect()).exit_code()
+}

@@ -1,0 +1,37 @@
+//! The simulated sensor stands in for a real one: the same beams, the same statistics.
+
+use flicr::geometry::sensors::hdl64e;
+
+use crate::common::statistics::{Statistics, median};
+use crate::data;
+
+pub fn the_beam_table_is_the_fit() {
+    let text = std::fs::read_to_string(data::path("kitti/hdl64e_kitti_beams.csv")).unwrap();
+    let rows: Vec<&str> = text.lines().skip(1).collect();
+    assert_eq!(rows.len(), 64);
+    for (row, beam) in rows.iter().zip(&hdl64e::BEAMS) {
+        let numbers: Vec<f64> = row.split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        let fit = [numbers[0], numbers[1], numbers[2], numbers[3].to_radians(), numbers[4]];
+        let found = [beam.slope, beam.z_offset_m, beam.h_offset_m, beam.azimuth_phase_rad, beam.range_phase_m];
+        assert_eq!(found, fit.map(|number| number as f32));
+    }
+}
+
+pub fn statistics_are_those_of_real_scans() {
+    let without_own_car = |points: &[[f32; 4]]| -> Vec<[f32; 4]> {
+        points.iter().copied().filter(|[x, y, ..]| x.abs() + y.abs() > 0.3).collect()
+    };
+    // Every third: neighbors in a drive are much alike.
+    let scans = data::KITTI.iter().step_by(3);
+    let real = median(scans.map(|scan| Statistics::of(&without_own_car(&scan.points))));
+    let found = Statistics::simulated();
+    println!("real:      {real}\nsimulated: {found}");
+    let within = |found: f64, real: f64, share: f64| (found / real - 1.0).abs() < share;
+    assert!(within(found.points, real.points, 0.05));
+    assert!(within(found.empty, real.empty, 0.35));
+    assert!(within(found.lost, real.lost, 0.15));
+    assert!(within(found.step_m, real.step_m, 0.25));
+    assert!(within(found.top_step_m, real.top_step_m, 0.35));
+    assert!(within(found.zlib_len, real.zlib_len, 0.25));
+    assert!(within(found.intensity_bits, real.intensity_bits, 0.15));
+}

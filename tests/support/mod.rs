@@ -1,4 +1,0 @@
-//! What several tests share.
-
-pub mod kitti;
-pub mod statistics;
