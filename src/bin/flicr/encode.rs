@@ -1,0 +1,127 @@
+//! `flicr encode`: scans to frames.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use flicr::{Encoded, Stamp, Tally};
+use indicatif::ProgressBar;
+
+use crate::args::{ColumnsArg, FrameArgs};
+use crate::codec::Codec;
+use crate::failure::Failure;
+use crate::input::{self, Scan};
+use crate::output::Outputs;
+use crate::{console, table};
+
+/// Encode scans: one frame each, with a line of what became of every point
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Encode {
+    /// Scans: .bin (KITTI), .xyzir.bin or .pcd
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// A file for all frames, back to back, numbered from 0; or a folder that is there, for a .flicr file an input
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    columns: ColumnsArg,
+    #[command(flatten)]
+    frame: FrameArgs,
+}
+
+const EXAMPLES: &str = "\
+Points at the origin are the sensor's way of saying 'no return': counted, but not lost.
+Intensities are not encoded. A file that is there is replaced, once the new one is complete.
+
+Examples:
+  flicr encode scan.bin -o scan.flicr
+  flicr encode drive/*.bin -o drive.flicr --columns 2048 --max-range 80
+  flicr encode drive/*.bin -o encoded/ --preset paper --coder rle";
+
+impl Encode {
+    pub fn run(self) -> Result<(), Failure> {
+        input::check_scan_extensions(&self.inputs)?;
+        let mut outputs = Outputs::new(&self.inputs);
+        let bar = console::progress(self.inputs.len(), "encoding");
+        let mut run = Run { codec: Codec::new(&self.frame, self.columns.columns)?, sequence: 0, bar };
+        if self.output.is_dir() {
+            for input in &self.inputs {
+                let name = Path::new(input.file_stem().unwrap_or_default()).with_extension("flicr");
+                let inputs = std::slice::from_ref(input);
+                run.stage(&mut outputs, &self.output.join(name), inputs)?;
+            }
+        } else {
+            run.stage(&mut outputs, &self.output, &self.inputs)?;
+        }
+        run.bar.finish_and_clear();
+        outputs.commit()
+    }
+}
+
+struct Run {
+    codec: Codec,
+    sequence: u32,
+    bar: ProgressBar,
+}
+
+impl Run {
+    fn stage(&mut self, outputs: &mut Outputs, destination: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let wrong = |error| Failure::data(destination, error);
+        outputs.stage(destination, |temporary| {
+            let mut out = BufWriter::new(File::create(temporary).map_err(wrong)?);
+            for input in inputs {
+                for scan in input::scans(input)? {
+                    self.encode(&scan?, input)?;
+                    out.write_all(self.codec.frame()).map_err(wrong)?;
+                }
+                self.bar.inc(1);
+            }
+            out.flush().map_err(wrong)
+        })
+    }
+
+    fn encode(&mut self, scan: &Scan, input: &Path) -> Result<(), Failure> {
+        let stamp = Stamp { sequence: self.sequence, timestamp_ns: scan.timestamp_ns };
+        let encoded = self.codec.encode(&scan.points, stamp).map_err(|error| Failure::data(input, error))?;
+        console::line_if_read(&self.bar, summary(input, self.sequence, &encoded))?;
+        self.sequence += 1;
+        Ok(())
+    }
+}
+
+/// One line: the frame's length, its error bound, and where every point went.
+fn summary(input: &Path, sequence: u32, encoded: &Encoded) -> String {
+    let Encoded { len, tally, range_bound_m, .. } = encoded;
+    format!(
+        "{}: frame {sequence}, {} bytes, ranges within {range_bound_m:.3} m; {}",
+        input.display(),
+        table::grouped(*len as u64),
+        account(tally)
+    )
+}
+
+/// `120,574 points: 112,040 kept, 8,533 collided, 1 no return`; what did not happen is left out.
+fn account(tally: &Tally) -> String {
+    let mut account = format!("{} points: {} kept", grouped(tally.points), grouped(tally.kept()));
+    let others = [
+        (tally.collided, "collided"),
+        (tally.out_of_view, "out of view"),
+        (tally.beyond_range, "beyond range"),
+        (tally.too_near, "too near"),
+        (tally.no_return, "no return"),
+        (tally.not_finite, "not finite"),
+    ];
+    for (count, what) in others.into_iter().filter(|&(count, _)| count > 0) {
+        account.extend([", ", &grouped(count), " ", what]);
+    }
+    if tally.clamped > 0 {
+        account.extend([" (", &grouped(tally.clamped), " clamped into an edge row)"]);
+    }
+    account
+}
+
+fn grouped(count: u32) -> String {
+    table::grouped(count.into())
+}

@@ -1,0 +1,203 @@
+//! `flicr info`: what a file holds.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use flicr::files::{self, PointCloud};
+use flicr::{Decoder, Header, Levels, Limits, Placement, frame};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::frames::FrameFile;
+use crate::input::{self, Scan};
+use crate::{console, table};
+
+/// Say what a file of frames or points holds; frames are decoded, so that damage is found
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Info {
+    /// A .flicr file, or a scan: .bin, .xyzir.bin or .pcd
+    input: PathBuf,
+    /// One JSON object a frame, each on a line
+    #[arg(long)]
+    json: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  flicr info drive.flicr
+  flicr info drive.flicr --json | jq .kept";
+
+impl Info {
+    pub fn run(self) -> Result<(), Failure> {
+        if input::holds_frames(&self.input)? {
+            return self.frames();
+        }
+        input::check_scan_extension(&self.input)?;
+        self.say(&CloudInfo::new(&self.input, files::read(&self.input)?), CloudInfo::text)
+    }
+
+    fn frames(&self) -> Result<(), Failure> {
+        let file = FrameFile::read(&self.input)?;
+        let mut decoder = Decoder::new(Limits::default());
+        for (number, offset, bytes) in file.frames() {
+            let info = FrameInfo::new(&mut decoder, bytes).map_err(|error| file.damaged(number, error))?;
+            let place = Place { file: self.input.display().to_string(), frame: number, offset, bytes: bytes.len() };
+            self.say(&FrameInfo { place, ..info }, FrameInfo::text)?;
+        }
+        file.check_end()
+    }
+
+    fn say<T: Serialize>(&self, info: &T, text: impl Fn(&T) -> String) -> Result<(), Failure> {
+        let text = if self.json { json(info) } else { text(info) };
+        console::line(&ProgressBar::hidden(), text)
+    }
+}
+
+/// One line of JSON.
+pub fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).unwrap_or_else(|error| format!("{{\"error\":\"{error}\"}}"))
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Place {
+    file: String,
+    frame: usize,
+    offset: usize,
+    bytes: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct FrameInfo {
+    #[serde(flatten)]
+    place: Place,
+    sequence: u32,
+    timestamp_ns: u64,
+    rows: u16,
+    columns: u16,
+    top_deg: f32,
+    bottom_deg: f32,
+    start_deg: f32,
+    span_deg: f32,
+    placement: &'static str,
+    bits: u32,
+    step_m: f32,
+    max_range_m: f32,
+    range_bound_m: f32,
+    coder: String,
+    strips: usize,
+    returns: u32,
+    kept: usize,
+}
+
+impl FrameInfo {
+    fn new(decoder: &mut Decoder, bytes: &[u8]) -> Result<Self, flicr::DecodeError> {
+        let strips = frame::parse(bytes)?.strips().count();
+        let frame = decoder.decode(bytes)?;
+        let Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, view, placement, .. } =
+            *frame.header();
+        Ok(Self {
+            place: Place::default(),
+            sequence,
+            timestamp_ns,
+            rows,
+            columns,
+            top_deg: view.top_rad.to_degrees(),
+            bottom_deg: view.bottom_rad.to_degrees(),
+            start_deg: view.start_rad.to_degrees(),
+            span_deg: view.span_rad.to_degrees(),
+            placement: placement_word(placement),
+            bits: quantizer.level_bits(),
+            step_m: quantizer.step_m(),
+            max_range_m: quantizer.max_range_m(),
+            range_bound_m: quantizer.range_bound_m(),
+            coder: format!("{coder:?}").to_lowercase(),
+            strips,
+            returns,
+            kept: occupied(frame.levels()),
+        })
+    }
+
+    fn text(&self) -> String {
+        let Self { place: Place { file, frame, offset, bytes }, rows, columns, placement, coder, .. } = self;
+        let lines = [
+            format!("{file}: frame {frame}, {} bytes from byte {}", group(*bytes), group(*offset)),
+            format!("sequence {}, time {} ns", self.sequence, self.timestamp_ns),
+            format!(
+                "{rows} rows from {:+.2} to {:+.2} degrees, {columns} columns from {:+.2} over {:.2} degrees",
+                self.top_deg, self.bottom_deg, self.start_deg, self.span_deg
+            ),
+            format!("points at the {placement} of their pixels, ranges within {:.4} m", self.range_bound_m),
+            format!("{} bits in steps of {:.4} m, up to {:.2} m", self.bits, self.step_m, self.max_range_m),
+            format!("coder {coder}, strips {}", self.strips),
+            format!("{} returns, {} kept", group(self.returns as usize), group(self.kept)),
+        ];
+        lines.join("\n  ")
+    }
+}
+
+const fn placement_word(placement: Placement) -> &'static str {
+    match placement {
+        Placement::Center => "center",
+        Placement::Corner => "corner",
+    }
+}
+
+fn occupied(levels: &Levels) -> usize {
+    match levels {
+        Levels::U8(levels) => levels.iter().filter(|&&level| level != 0).count(),
+        Levels::U16(levels) => levels.iter().filter(|&&level| level != 0).count(),
+    }
+}
+
+fn group(number: usize) -> String {
+    table::grouped(number as u64)
+}
+
+#[derive(Debug, Serialize)]
+struct CloudInfo {
+    file: String,
+    points: usize,
+    returns: usize,
+    intensities: bool,
+    rings: bool,
+    /// Smallest and largest x, y, z of the returns; null without any.
+    min_m: Option<[f32; 3]>,
+    max_m: Option<[f32; 3]>,
+    max_range_m: f32,
+}
+
+impl CloudInfo {
+    fn new(file: &Path, cloud: PointCloud) -> Self {
+        let (intensities, rings) = (cloud.intensities.is_some(), cloud.rings.is_some());
+        let scan = Scan { points: cloud.points, timestamp_ns: 0 };
+        let returns = scan.returns();
+        let extreme = |pick: fn(f32, f32) -> f32| {
+            returns.iter().copied().reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1]), pick(a[2], b[2])])
+        };
+        Self {
+            file: file.display().to_string(),
+            points: scan.points.len(),
+            returns: returns.len(),
+            intensities,
+            rings,
+            min_m: extreme(f32::min),
+            max_m: extreme(f32::max),
+            max_range_m: returns.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).fold(0.0, f32::max),
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { file, points, returns, .. } = self;
+        let has = |has: bool| if has { "with" } else { "without" };
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.min_m.unwrap_or_default(), self.max_m.unwrap_or_default());
+        let lines = [
+            format!("{file}: {} points, {} of them returns", group(*points), group(*returns)),
+            format!("{} intensities, {} rings", has(self.intensities), has(self.rings)),
+            format!("x {x0:.2} to {x1:.2} m, y {y0:.2} to {y1:.2} m, z {z0:.2} to {z1:.2} m"),
+            format!("farthest {:.2} m away", self.max_range_m),
+        ];
+        lines.join("\n  ")
+    }
+}

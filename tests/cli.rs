@@ -1,0 +1,14 @@
+//! The command line keeps its promises: every subcommand on simulated scans, exit codes, and what is left behind.
+
+#[path = "cli/bad_input.rs"]
+mod bad_input;
+#[path = "cli/eval.rs"]
+mod eval;
+#[path = "cli/round_trip.rs"]
+mod round_trip;
+#[path = "cli/run.rs"]
+mod run;
+#[path = "cli/terminal.rs"]
+mod terminal;
+#[path = "cli/view.rs"]
+mod view;

@@ -1,0 +1,123 @@
+//! What `eval` says agrees with what the other commands make.
+
+use super::run::{Place, bin, objects, points};
+
+const FIELDS: [&str; 20] = [
+    "file",
+    "preset",
+    "columns",
+    "rows",
+    "coder",
+    "points",
+    "kept",
+    "bytes",
+    "ratio_xyz",
+    "ratio_xyzi",
+    "bpp",
+    "se",
+    "psnr_db",
+    "psnr_reverse_db",
+    "cd_m2",
+    "cd_mean_m",
+    "epsnr_db",
+    "max_error_m",
+    "encode_ns",
+    "decode_ns",
+];
+
+#[test]
+fn json_has_these_fields_in_this_order() {
+    let place = Place::with_scan();
+    let text = place.fine(&["eval", "scan.bin", "--json", "--columns", "256"]);
+    // serde_json's map sorts its keys: the order is looked for in the text.
+    let places: Vec<usize> = FIELDS.iter().map(|field| text.find(&format!("\"{field}\":")).unwrap()).collect();
+    assert!(places.is_sorted());
+    let [object] = objects(&text).try_into().unwrap();
+    assert_eq!(object.len(), FIELDS.len());
+    assert!(["file", "preset", "coder"].iter().all(|&field| object[field].is_string()));
+    let numbers = FIELDS.iter().filter(|field| !["file", "preset", "coder"].contains(field));
+    assert!(numbers.map(|&field| object[field].as_f64().unwrap()).all(|number| number >= 0.0));
+}
+
+#[test]
+fn eval_agrees_with_encode_and_decode() {
+    let place = Place::with_scan();
+    // A point at the origin is in the file, but is no return.
+    let mut scan = points(&place.read("scan.bin"));
+    scan.push([0.0; 4]);
+    place.write("scan.bin", &bin(&scan));
+    let options = ["--preset", "paper", "--columns", "512", "--coder", "rle", "--bits", "10", "--max-range", "90"];
+    let [eval] = objects(&place.fine(&[&["eval", "scan.bin", "--json"], &options[..]].concat())).try_into().unwrap();
+    place.fine(&[&["encode", "scan.bin", "-o", "f.flicr"], &options[..]].concat());
+    place.fine(&["decode", "f.flicr", "-o", "back.bin"]);
+    let (bytes, decoded) = (place.read("f.flicr").len() as f64, points(&place.read("back.bin")).len());
+    let number = |field: &str| eval[field].as_f64().unwrap();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs();
+    assert_eq!((&eval["file"], &eval["preset"], &eval["coder"]), (&"scan.bin".into(), &"paper".into(), &"rle".into()));
+    assert_eq!((number("columns"), number("rows")), (512.0, 64.0));
+    assert_eq!(eval["kept"], decoded);
+    assert_eq!(eval["points"], scan.len() - 1);
+    assert!(near(number("bytes"), bytes));
+    assert!(near(number("ratio_xyz"), 12.0 * scan.len() as f64 / bytes));
+    assert!(near(number("ratio_xyzi"), 16.0 * scan.len() as f64 / bytes));
+    assert!(near(number("bpp"), 8.0 * bytes / scan.len() as f64));
+    assert!(near(number("se"), 1.0 - decoded as f64 / (scan.len() - 1) as f64));
+    assert!(number("epsnr_db") < number("psnr_db") && number("psnr_reverse_db") < number("psnr_db"));
+    assert!(number("encode_ns") > 0.0 && number("decode_ns") > 0.0);
+}
+
+#[test]
+fn better_settings_measure_better() {
+    let place = Place::with_scan();
+    let psnr = |options: &[&str]| {
+        let text = place.fine(&[&["eval", "scan.bin", "--json"], options].concat());
+        objects(&text)[0]["psnr_db"].as_f64().unwrap()
+    };
+    let (paper, uniform, fine) = (psnr(&["--preset", "paper"]), psnr(&[]), psnr(&["--bits", "14"]));
+    assert!(paper + 0.5 < uniform && uniform + 3.0 < fine, "{paper} {uniform} {fine}");
+}
+
+#[test]
+fn several_columns_are_measured_of_each_file() {
+    let place = Place::new();
+    place.fine(&["simulate", "-o", "t.bin", "--turns", "2"]);
+    let args = ["eval", "t-000000.bin", "t-000001.bin", "--columns", "1024,256"];
+    let found: Vec<_> = objects(&place.fine(&[&args[..], &["--json"]].concat()))
+        .iter()
+        .map(|object| (object["file"].as_str().unwrap().to_owned(), object["columns"].as_u64().unwrap()))
+        .collect();
+    let [first, second] = ["t-000000.bin", "t-000001.bin"].map(str::to_owned);
+    assert_eq!(found, [(first.clone(), 1024), (first, 256), (second.clone(), 1024), (second, 256)]);
+    let table = place.fine(&args);
+    assert_eq!(table.matches("median of 2").count(), 2, "{table}");
+    assert!(table.contains("uniform, 1024 x 64, 8 bits, deflate"), "{table}");
+    let widths: Vec<usize> = table.lines().skip(1).take(4).map(|line| line.chars().count()).collect();
+    assert!(widths.iter().all(|&width| width == widths[0]), "{table}");
+}
+
+#[test]
+fn a_scan_without_a_return_cannot_be_measured() {
+    let place = Place::new();
+    place.write("none.bin", &[0; 32]);
+    place.fails_with(1, &["eval", "none.bin"], "none.bin", &["expected"]);
+}
+
+/// Real scans, where they are at hand: medians that an independent implementation found.
+#[test]
+fn the_papers_frames_of_kitti_scans() {
+    let data =
+        std::env::var("FLICR_DATA").unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into());
+    let drive = std::path::Path::new(&data).join("kitti/drive");
+    if !drive.is_dir() {
+        println!("skipped: no KITTI scans in {}", drive.display());
+        return;
+    }
+    let scan = drive.join("000000.bin").display().to_string();
+    let text = Place::new().fine(&["eval", &scan, "--preset", "paper", "--json"]);
+    let object = &objects(&text)[0];
+    let file_points = std::fs::metadata(&scan).unwrap().len() / 16;
+    assert_eq!(object["points"], file_points - 1, "one point is at the origin");
+    let (lost, psnr_db) = (object["se"].as_f64().unwrap(), object["psnr_db"].as_f64().unwrap());
+    assert!((0.068..0.076).contains(&lost), "{lost}");
+    assert!((58.0..58.8).contains(&psnr_db), "{psnr_db}");
+}
