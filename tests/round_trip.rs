@@ -71,12 +71,12 @@ fn centers_are_within_half_a_pixel_of_the_point() {
     let config = Config { level_bits: 16, ..Config::UNIFORM };
     let view = config.view;
     let (row_rad, column_rad) = ((view.top_rad - view.bottom_rad) / 64.0, view.span_rad / 4500.0);
-    for &point in common::spiral(2_000).iter() {
+    for point in common::spiral(2_000) {
         let (_, bytes) = encoded::<u16, _>(&fixed(&config, 100.0), 4500, &[point], Rle::new());
         let decoded = Decoder::default().decode(&bytes).unwrap().points()[0];
         let (azimuth, elevation) = (decoded[1].atan2(decoded[0]), (f64::from(decoded[2]) / norm(decoded)).asin());
         let off = (azimuth - point[1].atan2(point[0])).abs();
-        assert!(off.min(6.283_185 - off) <= column_rad * 0.51, "{point:?}");
+        assert!(off.min(core::f32::consts::TAU - off) <= column_rad * 0.51, "{point:?}");
         // The spiral reaches 0.003 degrees further down than the paper's rows do.
         let off = (elevation - (f64::from(point[2]) / norm(point)).asin()).abs();
         assert!(off <= f64::from(row_rad) * 0.52, "{point:?}");
@@ -183,7 +183,7 @@ fn pieces_make_the_same_bytes_as_the_whole() {
     for piece in points.chunks(37) {
         frame.insert(piece);
     }
-    let mut out = [0; Encoder::<64, 256, u8, Rle>::WORST_CASE_LEN];
+    let mut out = vec![0; Encoder::<64, 256, u8, Rle>::WORST_CASE_LEN];
     let len = frame.finish(&mut out).unwrap().len;
     assert_eq!(out[..len], whole);
     // An encoder starts every frame afresh.
