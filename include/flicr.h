@@ -7,8 +7,8 @@
  *     flicr_encoder *encoder;
  *     flicr_encoded encoded;
  *     flicr_stamp stamp = {timestamp_ns, sequence};
- *     flicr_status status = flicr_config_init(FLICR_PRESET_UNIFORM, 4500, 64, FLICR_CODER_RLE, &config);
- *     if (!status) status = flicr_encoder_init(memory, sizeof memory, &config, &encoder);
+ *     flicr_status status = flicr_config_init(FLICR_PRESET_UNIFORM, 4500, 64, &config);
+ *     if (!status) status = flicr_encoder_init_rle(memory, sizeof memory, &config, &encoder);
  *     if (!status) status = flicr_encode(encoder, points, count, sizeof points[0], stamp, frame, sizeof frame, &encoded);
  *     if (status) puts(flicr_status_text(status));
  *
@@ -37,7 +37,7 @@
 
 /**
  * Bytes that an encoder takes; a constant where its arguments are. Nothing is checked: flicr_encoder_size and
- * flicr_encoder_init do that.
+ * flicr_encoder_init_... do that.
  */
 #define FLICR_ENCODER_SIZE(columns, rows, coder) \
   ((size_t)FLICR_ENCODER_OVERHEAD + FLICR_CODER_STATE_LEN(coder) + (size_t)(columns) * (size_t)(rows))
@@ -112,7 +112,7 @@ enum flicr_status
    */
   FLICR_STATUS_STATE_TOO_SMALL = 3,
   /**
-   * The memory holds no encoder: flicr_encoder_init has not been called, or something wrote over it.
+   * The memory holds no encoder: no flicr_encoder_init_... has been called, or something wrote over it.
    */
   FLICR_STATUS_NOT_INITIALIZED = 4,
   /**
@@ -124,61 +124,57 @@ enum flicr_status
    */
   FLICR_STATUS_PRESET = 6,
   /**
-   * A coder that is not in flicr_coder.
-   */
-  FLICR_STATUS_CODER = 7,
-  /**
    * Rows and columns must be 1 to 65535 each, with at most 2^30 pixels.
    */
-  FLICR_STATUS_SIZE = 8,
+  FLICR_STATUS_SIZE = 7,
   /**
    * Level bits must be 1 to 8.
    */
-  FLICR_STATUS_LEVEL_BITS = 9,
+  FLICR_STATUS_LEVEL_BITS = 8,
   /**
    * The largest range must be 0 (the scale follows each frame) or a positive, finite number of meters.
    */
-  FLICR_STATUS_MAX_RANGE = 10,
+  FLICR_STATUS_MAX_RANGE = 9,
   /**
    * Elevations must satisfy -pi/2 <= bottom < top <= pi/2.
    */
-  FLICR_STATUS_ELEVATION_VIEW = 11,
+  FLICR_STATUS_ELEVATION_VIEW = 10,
   /**
    * The azimuths must start at -pi to pi and span more than nothing and at most one turn.
    */
-  FLICR_STATUS_AZIMUTH_VIEW = 12,
+  FLICR_STATUS_AZIMUTH_VIEW = 11,
   /**
    * A policy that is not in flicr_collision.
    */
-  FLICR_STATUS_COLLISION = 13,
+  FLICR_STATUS_COLLISION = 12,
   /**
    * A policy that is not in flicr_out_of_view.
    */
-  FLICR_STATUS_OUT_OF_VIEW = 14,
+  FLICR_STATUS_OUT_OF_VIEW = 13,
   /**
    * A placement that is not in flicr_placement.
    */
-  FLICR_STATUS_PLACEMENT = 15,
+  FLICR_STATUS_PLACEMENT = 14,
   /**
    * A record must have at least the 12 bytes of x, y, z.
    */
-  FLICR_STATUS_STRIDE = 16,
+  FLICR_STATUS_STRIDE = 15,
   /**
    * More points than memory can hold, or than a frame can count (2^32 - 1).
    */
-  FLICR_STATUS_TOO_MANY_POINTS = 17,
+  FLICR_STATUS_TOO_MANY_POINTS = 16,
   /**
    * The frame does not fit the output buffer. Nothing in the buffer is a frame.
    */
-  FLICR_STATUS_OUTPUT_TOO_SMALL = 18,
+  FLICR_STATUS_OUTPUT_TOO_SMALL = 17,
   /**
    * The scale follows each frame's farthest point: encode whole scans, or configure a largest range.
    */
-  FLICR_STATUS_SCALE_NEEDS_WHOLE_SCAN = 19,
+  FLICR_STATUS_SCALE_NEEDS_WHOLE_SCAN = 18,
   /**
    * No frame has been started.
    */
-  FLICR_STATUS_NOT_STARTED = 20,
+  FLICR_STATUS_NOT_STARTED = 19,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -215,7 +211,8 @@ typedef uint32_t flicr_preset;
 #endif // __cplusplus
 
 /**
- * What makes the levels small.
+ * What makes the levels small. An encoder gets its coder from the function that makes it, so that a linker leaves out
+ * all other coders; these are for sizes.
  */
 enum flicr_coder
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -340,10 +337,6 @@ typedef struct flicr_config {
    * Pixels in a column: elevations, the highest first. The paper's are 64.
    */
   uint32_t rows;
-  /**
-   * What makes the levels small.
-   */
-  flicr_coder coder;
   /**
    * Bits of a level, 1 to 8.
    */
@@ -487,24 +480,29 @@ size_t flicr_worst_case_len(uint32_t columns, uint32_t rows, flicr_coder coder);
  *
  * The presets' elevations are the HDL-64E's: for another sensor, set top_rad and bottom_rad.
  *
- * FLICR_STATUS_PRESET, FLICR_STATUS_SIZE, FLICR_STATUS_CODER.
+ * FLICR_STATUS_PRESET, FLICR_STATUS_SIZE.
  */
-flicr_status flicr_config_init(flicr_preset preset,
-                               uint32_t columns,
-                               uint32_t rows,
-                               flicr_coder coder,
-                               struct flicr_config *out_config);
+flicr_status flicr_config_init(flicr_preset preset, uint32_t columns, uint32_t rows, struct flicr_config *out_config);
 
 /**
- * Makes an encoder in memory of at least FLICR_ENCODER_SIZE(config->columns, config->rows, config->coder) bytes,
- * aligned to FLICR_ENCODER_ALIGN. What the memory held does not matter.
+ * Makes an encoder that stores levels as they are, in memory of at least
+ * FLICR_ENCODER_SIZE(config->columns, config->rows, FLICR_CODER_STORE) bytes, aligned to FLICR_ENCODER_ALIGN. What the
+ * memory held does not matter.
  *
  * FLICR_STATUS_STATE_TOO_SMALL, FLICR_STATUS_MISALIGNED, and any status that names a member of the configuration.
  */
-flicr_status flicr_encoder_init(void *state,
-                                size_t state_len,
-                                const struct flicr_config *config,
-                                struct flicr_encoder **out_encoder);
+flicr_status flicr_encoder_init_store(void *state,
+                                      size_t state_len,
+                                      const struct flicr_config *config,
+                                      struct flicr_encoder **out_encoder);
+
+/**
+ * As flicr_encoder_init_store, for FLICR_CODER_RLE.
+ */
+flicr_status flicr_encoder_init_rle(void *state,
+                                    size_t state_len,
+                                    const struct flicr_config *config,
+                                    struct flicr_encoder **out_encoder);
 
 /**
  * Encodes a whole scan to the front of `out`: `count` records, `stride_bytes` apart, each starting with x, y, z as

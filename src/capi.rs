@@ -51,40 +51,38 @@ pub enum flicr_status {
     Misaligned = 2,
     /// The memory is smaller than FLICR_ENCODER_SIZE.
     StateTooSmall = 3,
-    /// The memory holds no encoder: flicr_encoder_init has not been called, or something wrote over it.
+    /// The memory holds no encoder: no flicr_encoder_init_... has been called, or something wrote over it.
     NotInitialized = 4,
     /// Points, output and encoder share memory.
     Overlap = 5,
     /// A preset that is not in flicr_preset.
     Preset = 6,
-    /// A coder that is not in flicr_coder.
-    Coder = 7,
     /// Rows and columns must be 1 to 65535 each, with at most 2^30 pixels.
-    Size = 8,
+    Size = 7,
     /// Level bits must be 1 to 8.
-    LevelBits = 9,
+    LevelBits = 8,
     /// The largest range must be 0 (the scale follows each frame) or a positive, finite number of meters.
-    MaxRange = 10,
+    MaxRange = 9,
     /// Elevations must satisfy -pi/2 <= bottom < top <= pi/2.
-    ElevationView = 11,
+    ElevationView = 10,
     /// The azimuths must start at -pi to pi and span more than nothing and at most one turn.
-    AzimuthView = 12,
+    AzimuthView = 11,
     /// A policy that is not in flicr_collision.
-    Collision = 13,
+    Collision = 12,
     /// A policy that is not in flicr_out_of_view.
-    OutOfView = 14,
+    OutOfView = 13,
     /// A placement that is not in flicr_placement.
-    Placement = 15,
+    Placement = 14,
     /// A record must have at least the 12 bytes of x, y, z.
-    Stride = 16,
+    Stride = 15,
     /// More points than memory can hold, or than a frame can count (2^32 - 1).
-    TooManyPoints = 17,
+    TooManyPoints = 16,
     /// The frame does not fit the output buffer. Nothing in the buffer is a frame.
-    OutputTooSmall = 18,
+    OutputTooSmall = 17,
     /// The scale follows each frame's farthest point: encode whole scans, or configure a largest range.
-    ScaleNeedsWholeScan = 19,
+    ScaleNeedsWholeScan = 18,
     /// No frame has been started.
-    NotStarted = 20,
+    NotStarted = 19,
 }
 
 /// A `flicr_status` as it comes from C: any number. The header calls it `flicr_status`, as with those below.
@@ -111,7 +109,8 @@ pub enum flicr_preset {
     Uniform = 1,
 }
 
-/// What makes the levels small.
+/// What makes the levels small. An encoder gets its coder from the function that makes it, so that a linker leaves out
+/// all other coders; these are for sizes.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum flicr_coder {
@@ -163,8 +162,6 @@ pub struct flicr_config {
     pub columns: u32,
     /// Pixels in a column: elevations, the highest first. The paper's are 64.
     pub rows: u32,
-    /// What makes the levels small.
-    pub coder: CoderCode,
     /// Bits of a level, 1 to 8.
     pub level_bits: u32,
     /// The largest range that has a level, meters; points beyond are dropped and counted. 0: each frame's farthest
@@ -239,20 +236,21 @@ pub struct flicr_encoded {
 #[repr(align(8))]
 pub struct flicr_encoder {
     magic: u32,
-    coder: flicr_coder,
-    rows: u16,
-    columns: u16,
+    layout: Layout,
+    columns: usize,
+    finish: Finish,
     config: Config,
     frame: Option<OpenFrame>,
 }
 
-/// Marks memory that `flicr_encoder_init` has been given.
+/// Marks memory that holds an encoder.
 const MAGIC: u32 = u32::from_be_bytes(*b"FLCe");
 
 /// What the header and cbindgen must be told in plain numbers, and what C's numbers stand for here.
 const _: () = {
     assert!(size_of::<flicr_encoder>() <= FLICR_ENCODER_OVERHEAD);
     assert!(align_of::<flicr_encoder>() == FLICR_ENCODER_ALIGN);
+    assert!(FLICR_ENCODER_OVERHEAD.is_multiple_of(FLICR_ENCODER_ALIGN));
     assert!(FLICR_FRAME_OVERHEAD_LEN == frame::OVERHEAD_LEN);
     assert!(FLICR_RLE_BLOCK_LEN == <Rle as Coder<u8>>::WORST_CASE.block_len);
     assert!(<Rle as Coder<u8>>::WORST_CASE.bytes_per_block == 1);
@@ -281,7 +279,7 @@ pub extern "C" fn flicr_status_text(status: StatusCode) -> *const c_char {
 /// What FLICR_ENCODER_SIZE gives: bytes that an encoder takes. 0 where there can be none.
 #[unsafe(no_mangle)]
 pub extern "C" fn flicr_encoder_size(columns: u32, rows: u32, coder: CoderCode) -> usize {
-    layout_of(columns, rows, coder).map_or(0, |layout| layout.len)
+    size_of_encoder(columns, rows, coder).unwrap_or(0)
 }
 
 /// What FLICR_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
@@ -294,32 +292,44 @@ pub extern "C" fn flicr_worst_case_len(columns: u32, rows: u32, coder: CoderCode
 ///
 /// The presets' elevations are the HDL-64E's: for another sensor, set top_rad and bottom_rad.
 ///
-/// FLICR_STATUS_PRESET, FLICR_STATUS_SIZE, FLICR_STATUS_CODER.
+/// FLICR_STATUS_PRESET, FLICR_STATUS_SIZE.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn flicr_config_init(
     preset: PresetCode,
     columns: u32,
     rows: u32,
-    coder: CoderCode,
     out_config: *mut flicr_config,
 ) -> flicr_status {
     // SAFETY: the caller's promise about `out_config`.
-    unsafe { deliver(out_config, || preset_config(preset, columns, rows, coder)) }
+    unsafe { deliver(out_config, || preset_config(preset, columns, rows)) }
 }
 
-/// Makes an encoder in memory of at least FLICR_ENCODER_SIZE(config->columns, config->rows, config->coder) bytes,
-/// aligned to FLICR_ENCODER_ALIGN. What the memory held does not matter.
+/// Makes an encoder that stores levels as they are, in memory of at least
+/// FLICR_ENCODER_SIZE(config->columns, config->rows, FLICR_CODER_STORE) bytes, aligned to FLICR_ENCODER_ALIGN. What the
+/// memory held does not matter.
 ///
 /// FLICR_STATUS_STATE_TOO_SMALL, FLICR_STATUS_MISALIGNED, and any status that names a member of the configuration.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn flicr_encoder_init(
+pub unsafe extern "C" fn flicr_encoder_init_store(
     state: *mut c_void,
     state_len: usize,
     config: *const flicr_config,
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, || place_encoder(state, state_len, &read(config)?, Store::new)) }
+}
+
+/// As flicr_encoder_init_store, for FLICR_CODER_RLE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_encoder_init_rle(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_config,
+    out_encoder: *mut *mut flicr_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the three pointers.
+    unsafe { deliver(out_encoder, || place_encoder(state, state_len, &read(config)?, Rle::new)) }
 }
 
 /// Encodes a whole scan to the front of `out`: `count` records, `stride_bytes` apart, each starting with x, y, z as
@@ -426,14 +436,14 @@ fn choose<T: Copy>(choices: &[T], number: u32, otherwise: flicr_status) -> Outco
     choices.get(number as usize).copied().ok_or(otherwise)
 }
 
-fn preset_config(preset: PresetCode, columns: u32, rows: u32, coder: CoderCode) -> Outcome<flicr_config> {
+fn preset_config(preset: PresetCode, columns: u32, rows: u32) -> Outcome<flicr_config> {
     let config = choose(&[Config::PAPER, Config::UNIFORM], preset, flicr_status::Preset)?;
-    layout_of(columns, rows, coder)?;
-    Ok(flicr_config::new(&config, columns, rows, coder))
+    pixels(columns, rows)?;
+    Ok(flicr_config::new(&config, columns, rows))
 }
 
 impl flicr_config {
-    fn new(config: &Config, columns: u32, rows: u32, coder: CoderCode) -> Self {
+    fn new(config: &Config, columns: u32, rows: u32) -> Self {
         let UniformView { top_rad, bottom_rad, start_rad, span_rad } = config.view;
         let max_range_m = match config.scale {
             Scale::Fixed { max_range_m } => max_range_m,
@@ -442,7 +452,6 @@ impl flicr_config {
         Self {
             columns,
             rows,
-            coder,
             level_bits: config.level_bits,
             max_range_m,
             top_rad,
@@ -471,13 +480,14 @@ impl flicr_config {
 }
 
 impl flicr_coder {
-    fn from_code(code: CoderCode) -> Outcome<Self> {
-        choose(&[Self::Store, Self::Rle], code, flicr_status::Coder)
+    fn from_code(code: CoderCode) -> Option<Self> {
+        [Self::Store, Self::Rle].get(code as usize).copied()
     }
 
     const fn state_len(self) -> usize {
         match self {
-            Self::Store | Self::Rle => 0,
+            Self::Store => size_of::<Store>(),
+            Self::Rle => size_of::<Rle>(),
         }
     }
 
@@ -497,8 +507,8 @@ struct Layout {
 }
 
 impl Layout {
-    const fn new(pixels: usize, coder: flicr_coder) -> Self {
-        let image_at = FLICR_ENCODER_OVERHEAD + coder.state_len();
+    const fn new(state_len: usize, pixels: usize) -> Self {
+        let image_at = FLICR_ENCODER_OVERHEAD + state_len;
         Self { image_at, len: image_at + pixels }
     }
 }
@@ -509,35 +519,64 @@ fn pixels(columns: u32, rows: u32) -> Outcome<usize> {
     Ok(rows * columns)
 }
 
-fn layout_of(columns: u32, rows: u32, coder: CoderCode) -> Outcome<Layout> {
-    Ok(Layout::new(pixels(columns, rows)?, flicr_coder::from_code(coder)?))
+fn size_of_encoder(columns: u32, rows: u32, coder: CoderCode) -> Option<usize> {
+    let pixels = pixels(columns, rows).ok()?;
+    Some(Layout::new(flicr_coder::from_code(coder)?.state_len(), pixels).len)
 }
 
-fn worst_case_len(columns: u32, rows: u32, coder: CoderCode) -> Outcome<usize> {
-    Ok(flicr_coder::from_code(coder)?.worst_case_len(pixels(columns, rows)?))
+fn worst_case_len(columns: u32, rows: u32, coder: CoderCode) -> Option<usize> {
+    let pixels = pixels(columns, rows).ok()?;
+    Some(flicr_coder::from_code(coder)?.worst_case_len(pixels))
+}
+
+/// Codes and writes a frame, with the coder's state at the pointer.
+type Finish = unsafe fn(*mut c_void, &OpenFrame, ImageView<'_, u8>, &mut [u8]) -> Outcome<flicr_encoded>;
+
+/// # Safety
+/// `state` is where [`place_encoder`] has put a `C`, and nobody else uses that meanwhile.
+unsafe fn finish_with<C: Coder<u8>>(
+    state: *mut c_void,
+    frame: &OpenFrame,
+    image: ImageView<'_, u8>,
+    out: &mut [u8],
+) -> Outcome<flicr_encoded> {
+    // SAFETY: the caller's promise.
+    let coder = unsafe { &mut *state.cast::<C>() };
+    Ok(frame.finish(image, coder, out)?.into())
 }
 
 /// # Safety
 /// `state` is null or may be written for `state_len` bytes.
-unsafe fn place_encoder(state: *mut c_void, state_len: usize, settings: &flicr_config) -> Outcome<*mut flicr_encoder> {
-    let layout = layout_of(settings.columns, settings.rows, settings.coder)?;
-    let head = flicr_encoder::new(settings)?;
+unsafe fn place_encoder<C: Coder<u8>>(
+    state: *mut c_void,
+    state_len: usize,
+    settings: &flicr_config,
+    coder: impl FnOnce() -> C,
+) -> Outcome<*mut flicr_encoder> {
+    const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN) };
+    let layout = Layout::new(size_of::<C>(), pixels(settings.columns, settings.rows)?);
+    let head = flicr_encoder::new(settings, layout, finish_with::<C>)?;
     let encoder = state.cast::<flicr_encoder>();
     check_place(encoder)?;
     if state_len < layout.len {
         return Err(flicr_status::StateTooSmall);
     }
-    // SAFETY: `layout.len` bytes may be written, and hold the head at their aligned start. All zero is what an image
-    // without returns and a coder's new state are (`tests/capi.rs` looks).
+    // SAFETY: `layout.len` bytes may be written: the head at their start, the coder behind it, each aligned, and the
+    // image, which now has no returns.
     unsafe {
         state.write_bytes(0, layout.len);
         encoder.write(head);
+        coder_of(encoder).cast::<C>().write(coder());
     }
     Ok(encoder)
 }
 
+const fn coder_of(encoder: *mut flicr_encoder) -> *mut c_void {
+    encoder.cast::<c_void>().wrapping_byte_add(FLICR_ENCODER_OVERHEAD)
+}
+
 impl flicr_encoder {
-    fn new(settings: &flicr_config) -> Outcome<Self> {
+    fn new(settings: &flicr_config, layout: Layout, finish: Finish) -> Outcome<Self> {
         let config = settings.to_config()?;
         let max_range_m = match config.scale {
             Scale::Fixed { max_range_m } => max_range_m,
@@ -546,20 +585,15 @@ impl flicr_encoder {
         let (rows, columns) = (settings.rows as usize, settings.columns as usize);
         // Finds now what would be found with every frame.
         OpenFrame::new::<u8>(&config, max_range_m, Stamp::default(), rows, columns)?;
-        let coder = flicr_coder::from_code(settings.coder)?;
-        Ok(Self { magic: MAGIC, coder, rows: rows as u16, columns: columns as u16, config, frame: None })
-    }
-
-    fn layout(&self) -> Layout {
-        Layout::new(usize::from(self.rows) * usize::from(self.columns), self.coder)
+        Ok(Self { magic: MAGIC, layout, columns, finish, config, frame: None })
     }
 }
 
-/// An encoder's parts that are references. The coder's state stays a pointer, as its type is known only later.
+/// An encoder's parts. The coder's state stays a pointer: its type is known to `finish` alone.
 #[derive(Debug)]
 struct Parts<'a> {
     head: &'a mut flicr_encoder,
-    coder: CoderState,
+    coder: *mut c_void,
     image: ImageViewMut<'a, u8>,
 }
 
@@ -574,18 +608,17 @@ unsafe fn parts<'a>(encoder: *mut flicr_encoder, others: [Span; 2]) -> Outcome<P
     if unsafe { (&raw const (*encoder).magic).read() } != MAGIC {
         return Err(flicr_status::NotInitialized);
     }
-    // SAFETY: `place_encoder` wrote a head here; this reference to it ends before the next one begins.
-    let layout = unsafe { &*encoder }.layout();
+    // SAFETY: so `place_encoder` wrote a head here.
+    let layout = unsafe { (*encoder).layout };
     check_apart(Span { start: encoder.cast(), len: layout.len }, others)?;
-    // SAFETY: as above; and behind the head there are zeros (since then: state and levels) to `layout.len`. The head,
-    // the coder's state and the image share no byte.
+    // SAFETY: as above; and behind the head it wrote the coder's state and the image, to `layout.len`. The three share
+    // no byte.
     unsafe {
         let head = &mut *encoder;
         let start = encoder.cast::<u8>();
         let levels = core::slice::from_raw_parts_mut(start.add(layout.image_at), layout.len - layout.image_at);
-        let image = ImageViewMut::new(levels, head.columns.into()).ok_or(flicr_status::Size)?;
-        let coder = CoderState { coder: head.coder, state: start.add(FLICR_ENCODER_OVERHEAD).cast() };
-        Ok(Parts { head, coder, image })
+        let image = ImageViewMut::new(levels, head.columns).ok_or(flicr_status::Size)?;
+        Ok(Parts { head, coder: coder_of(encoder), image })
     }
 }
 
@@ -695,7 +728,7 @@ unsafe fn encode(
         let Parts { head, coder, mut image } = parts(encoder, [scan.span, out.span])?;
         head.frame = None;
         let frame = OpenFrame::of_scan(&head.config, &scan.points(), stamp.into(), &mut image)?;
-        coder.finish(&frame, image.as_view(), out.bytes())
+        (head.finish)(coder, &frame, image.as_view(), out.bytes())
     }
 }
 
@@ -727,28 +760,9 @@ unsafe fn finish(encoder: *mut flicr_encoder, out: Output) -> Outcome<flicr_enco
     unsafe {
         let Parts { head, coder, image } = parts(encoder, [Span::NONE, out.span])?;
         let frame = head.frame.as_ref().ok_or(flicr_status::NotStarted)?;
-        let encoded = coder.finish(frame, image.as_view(), out.bytes())?;
+        let finished = (head.finish)(coder, frame, image.as_view(), out.bytes())?;
         head.frame = None;
-        Ok(encoded)
-    }
-}
-
-/// A coder, and where in an encoder's memory its state is.
-#[derive(Debug, Clone, Copy)]
-struct CoderState {
-    coder: flicr_coder,
-    state: *mut c_void,
-}
-
-impl CoderState {
-    /// # Safety
-    /// `state` is what [`parts`] made it, and nobody else uses it meanwhile.
-    unsafe fn finish(self, frame: &OpenFrame, image: ImageView<'_, u8>, out: &mut [u8]) -> Outcome<flicr_encoded> {
-        let encoded = match self.coder {
-            flicr_coder::Store => frame.finish(image, &mut Store::new(), out),
-            flicr_coder::Rle => frame.finish(image, &mut Rle::new(), out),
-        };
-        Ok(encoded?.into())
+        Ok(finished)
     }
 }
 
@@ -797,15 +811,14 @@ impl From<EncodeError> for flicr_status {
 
 impl flicr_status {
     /// All of them, each at its number.
-    const ALL: [(Self, &CStr); 21] = [
+    const ALL: [(Self, &CStr); 20] = [
         (Self::Ok, c"all is well"),
         (Self::NullPointer, c"a pointer is null"),
         (Self::Misaligned, c"a pointer is not aligned for what it points to"),
         (Self::StateTooSmall, c"the memory for the encoder is too small: FLICR_ENCODER_SIZE says what it takes"),
-        (Self::NotInitialized, c"the memory holds no encoder: flicr_encoder_init makes one"),
+        (Self::NotInitialized, c"the memory holds no encoder: the functions flicr_encoder_init_... make one"),
         (Self::Overlap, c"points, output and encoder share memory"),
         (Self::Preset, c"no such preset"),
-        (Self::Coder, c"no such coder"),
         (Self::Size, c"rows and columns must be 1 to 65535 each, with at most 2^30 pixels"),
         (Self::LevelBits, c"level bits must be 1 to 8"),
         (Self::MaxRange, c"the largest range must be 0 or a positive, finite number of meters"),

@@ -65,8 +65,8 @@ fn version_is_the_crates() {
 struct Memory(Vec<u64>);
 
 impl Memory {
-    fn of(config: &flicr_config) -> Self {
-        let len = flicr_encoder_size(config.columns, config.rows, config.coder);
+    fn of(config: &flicr_config, coder: flicr_coder) -> Self {
+        let len = flicr_encoder_size(config.columns, config.rows, coder as u32);
         Self(vec![0xA5A5_A5A5_A5A5_A5A5; len.div_ceil(8)])
     }
 
@@ -74,11 +74,15 @@ impl Memory {
         self.0.as_mut_ptr().cast()
     }
 
-    fn init(&mut self, config: &flicr_config) -> Result<*mut flicr_encoder, Status> {
-        let len = flicr_encoder_size(config.columns, config.rows, config.coder);
+    fn init(&mut self, config: &flicr_config, coder: flicr_coder) -> Result<*mut flicr_encoder, Status> {
+        let init = match coder {
+            flicr_coder::Store => flicr_encoder_init_store,
+            flicr_coder::Rle => flicr_encoder_init_rle,
+        };
+        let len = size_of_val(self.0.as_slice());
         let mut encoder = null_mut();
-        // SAFETY: of that many bytes are `Memory::of`'s.
-        let status = unsafe { flicr_encoder_init(self.start(), len, config, &raw mut encoder) };
+        // SAFETY: the vector's own pointer and length.
+        let status = unsafe { init(self.start(), len, config, &raw mut encoder) };
         assert_eq!(encoder.is_null(), status != Status::Ok, "written only on success");
         ok(status).map(|()| encoder)
     }
@@ -88,17 +92,17 @@ fn ok(status: Status) -> Result<(), Status> {
     if status == Status::Ok { Ok(()) } else { Err(status) }
 }
 
-fn preset(preset: flicr_preset, columns: u32, coder: flicr_coder) -> flicr_config {
+fn preset(preset: flicr_preset, columns: u32) -> flicr_config {
     let mut config = std::mem::MaybeUninit::uninit();
     // SAFETY: a place for a configuration, which success fills.
     unsafe {
-        assert_eq!(flicr_config_init(preset as u32, columns, ROWS, coder as u32, config.as_mut_ptr()), Status::Ok);
+        assert_eq!(flicr_config_init(preset as u32, columns, ROWS, config.as_mut_ptr()), Status::Ok);
         config.assume_init()
     }
 }
 
 fn fixed() -> flicr_config {
-    flicr_config { max_range_m: 80.0, ..preset(flicr_preset::Uniform, COLUMNS, flicr_coder::Rle) }
+    flicr_config { max_range_m: 80.0, ..preset(flicr_preset::Uniform, COLUMNS) }
 }
 
 /// Encodes records of `stride` bytes and checks that nothing is written behind the frame, or at all on failure.
@@ -120,10 +124,10 @@ fn encode(
     ok(status).map(|()| encoded)
 }
 
-fn encode_xyz(config: &flicr_config, points: &[[f32; 3]]) -> (flicr_encoded, Vec<u8>) {
-    let mut memory = Memory::of(config);
-    let encoder = memory.init(config).unwrap();
-    let mut out = vec![0; flicr_worst_case_len(config.columns, config.rows, config.coder)];
+fn encode_xyz(config: &flicr_config, coder: flicr_coder, points: &[[f32; 3]]) -> (flicr_encoded, Vec<u8>) {
+    let mut memory = Memory::of(config, coder);
+    let encoder = memory.init(config, coder).unwrap();
+    let mut out = vec![0; flicr_worst_case_len(config.columns, config.rows, coder as u32)];
     let encoded = encode(encoder, bytemuck::cast_slice(points), points.len(), 12, &mut out).unwrap();
     out.truncate(encoded.len);
     (encoded, out)
@@ -153,7 +157,7 @@ fn encode_with(coder: flicr_coder, config: &Config, columns: u32, points: &[[f32
 }
 
 fn check_same_frame(c: &flicr_config, rust: &Config, coder: flicr_coder, points: &[[f32; 3]]) {
-    let (from_c, c_bytes) = encode_xyz(c, points);
+    let (from_c, c_bytes) = encode_xyz(c, coder, points);
     let (from_rust, rust_bytes) = encode_with(coder, rust, c.columns, points);
     assert!(c_bytes == rust_bytes, "{c:?}");
     assert_eq!(from_c.range_bound_m, from_rust.range_bound_m);
@@ -176,7 +180,7 @@ fn frames_are_rusts_at_every_size_with_every_coder() {
     let points = points();
     for (c_preset, rust) in [(flicr_preset::Paper, Config::PAPER), (flicr_preset::Uniform, Config::UNIFORM)] {
         for (columns, coder) in WIDTHS.iter().flat_map(|&columns| CODERS.map(|coder| (columns, coder))) {
-            check_same_frame(&preset(c_preset, columns, coder), &rust, coder, &points);
+            check_same_frame(&preset(c_preset, columns), &rust, coder, &points);
         }
     }
 }
@@ -206,7 +210,7 @@ fn every_choice_is_rusts() {
             collision: c_collision as u32,
             out_of_view: c_view as u32,
             placement: c_place as u32,
-            ..preset(flicr_preset::Paper, COLUMNS, coder)
+            ..preset(flicr_preset::Paper, COLUMNS)
         };
         let policy = Policy { collision, out_of_view };
         let scale = Scale::Fixed { max_range_m: 60.0 };
@@ -218,9 +222,9 @@ fn every_choice_is_rusts() {
 #[test]
 fn records_are_read_at_any_stride_and_alignment() {
     let (config, points) = (fixed(), points());
-    let (_, expected) = encode_xyz(&config, &points);
-    let mut memory = Memory::of(&config);
-    let encoder = memory.init(&config).unwrap();
+    let (_, expected) = encode_xyz(&config, flicr_coder::Rle, &points);
+    let mut memory = Memory::of(&config, flicr_coder::Rle);
+    let encoder = memory.init(&config, flicr_coder::Rle).unwrap();
     let mut out = vec![0; flicr_worst_case_len(COLUMNS, ROWS, RLE)];
     for stride in [12, 13, 16, 20, 48] {
         // One byte before, so that floats are at odd addresses; not one behind the last record's x, y, z.
@@ -255,10 +259,9 @@ fn start(encoder: *mut flicr_encoder) -> Status {
 fn pieces_make_the_same_frame() {
     let (points, mut out) = (points(), vec![0; flicr_worst_case_len(COLUMNS, ROWS, 0) * 2]);
     for coder in CODERS {
-        let config = flicr_config { coder: coder as u32, ..fixed() };
-        let (whole, expected) = encode_xyz(&config, &points);
-        let mut memory = Memory::of(&config);
-        let encoder = memory.init(&config).unwrap();
+        let (whole, expected) = encode_xyz(&fixed(), coder, &points);
+        let mut memory = Memory::of(&fixed(), coder);
+        let encoder = memory.init(&fixed(), coder).unwrap();
         for piece_len in [1, 31, 32, 33, 4_000, points.len()] {
             assert_eq!(start(encoder), Status::Ok);
             assert!(points.chunks(piece_len).all(|piece| insert(encoder, piece) == Status::Ok));
@@ -271,9 +274,9 @@ fn pieces_make_the_same_frame() {
 #[test]
 fn a_frame_that_does_not_fit_can_be_finished_elsewhere() {
     let (points, config) = (points(), fixed());
-    let (whole, expected) = encode_xyz(&config, &points);
-    let mut memory = Memory::of(&config);
-    let encoder = memory.init(&config).unwrap();
+    let (whole, expected) = encode_xyz(&config, flicr_coder::Rle, &points);
+    let mut memory = Memory::of(&config, flicr_coder::Rle);
+    let encoder = memory.init(&config, flicr_coder::Rle).unwrap();
     assert_eq!(start(encoder), Status::Ok);
     assert_eq!(insert(encoder, &points), Status::Ok);
     let mut out = vec![0; whole.len];
@@ -288,9 +291,9 @@ fn a_frame_that_does_not_fit_can_be_finished_elsewhere() {
 #[test]
 fn whole_scans_drop_a_frame_that_was_started() {
     let (points, config) = (points(), fixed());
-    let (whole, expected) = encode_xyz(&config, &points);
-    let mut memory = Memory::of(&config);
-    let encoder = memory.init(&config).unwrap();
+    let (whole, expected) = encode_xyz(&config, flicr_coder::Rle, &points);
+    let mut memory = Memory::of(&config, flicr_coder::Rle);
+    let encoder = memory.init(&config, flicr_coder::Rle).unwrap();
     assert_eq!(start(encoder), Status::Ok);
     assert_eq!(insert(encoder, &[[1.0, 2.0, 0.0]]), Status::Ok);
     let mut out = vec![0; whole.len];
@@ -301,8 +304,8 @@ fn whole_scans_drop_a_frame_that_was_started() {
 
 #[test]
 fn no_points_are_a_frame_too() {
-    let mut memory = Memory::of(&fixed());
-    let encoder = memory.init(&fixed()).unwrap();
+    let mut memory = Memory::of(&fixed(), flicr_coder::Rle);
+    let encoder = memory.init(&fixed(), flicr_coder::Rle).unwrap();
     let (mut out, mut encoded) = (vec![0_u8; 1_000], UNTOUCHED);
     // SAFETY: no points need no pointer.
     let status = unsafe {
@@ -354,22 +357,20 @@ fn every_status_is_returned() {
 
 fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
     let mut config = fixed();
-    let mut init = |preset, columns, rows, coder| {
+    let mut init = |preset, columns, rows| {
         // SAFETY: a place for a configuration.
-        unsafe { flicr_config_init(preset, columns, rows, coder, &raw mut config) }
+        unsafe { flicr_config_init(preset, columns, rows, &raw mut config) }
     };
-    expect(init(2, COLUMNS, ROWS, RLE), Status::Preset);
-    expect(init(0, 0, ROWS, RLE), Status::Size);
-    expect(init(0, COLUMNS, ROWS, 99), Status::Coder);
+    expect(init(2, COLUMNS, ROWS), Status::Preset);
+    expect(init(0, 0, ROWS), Status::Size);
     // SAFETY: null is to be found.
-    expect(unsafe { flicr_config_init(0, COLUMNS, ROWS, RLE, null_mut()) }, Status::NullPointer);
+    expect(unsafe { flicr_config_init(0, COLUMNS, ROWS, null_mut()) }, Status::NullPointer);
     let good = fixed();
     assert_eq!(config, good, "written only on success");
     let nan = f32::NAN;
     let refused = [
         (flicr_config { columns: 65_536, ..good }, Status::Size),
         (flicr_config { rows: 0, ..good }, Status::Size),
-        (flicr_config { coder: u32::MAX, ..good }, Status::Coder),
         (flicr_config { level_bits: 0, ..good }, Status::LevelBits),
         (flicr_config { level_bits: 9, ..good }, Status::LevelBits),
         (flicr_config { max_range_m: -1.0, ..good }, Status::MaxRange),
@@ -384,19 +385,19 @@ fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
         (flicr_config { placement: 2, ..good }, Status::Placement),
     ];
     for (config, status) in refused {
-        expect(Memory::of(&good).init(&config).unwrap_err(), status);
+        expect(Memory::of(&good, flicr_coder::Rle).init(&config, flicr_coder::Rle).unwrap_err(), status);
     }
 }
 
 fn refused_memory(expect: &mut impl FnMut(Status, Status)) {
     let config = fixed();
     let size = flicr_encoder_size(COLUMNS, ROWS, RLE);
-    let mut memory = Memory::of(&config);
+    let mut memory = Memory::of(&config, flicr_coder::Rle);
     let memory_start = memory.start();
     let mut encoder = null_mut();
     let mut init = |start, len, config| {
         // SAFETY: the memory's own pointer and at most its length, or what is to be found.
-        unsafe { flicr_encoder_init(start, len, config, &raw mut encoder) }
+        unsafe { flicr_encoder_init_rle(start, len, config, &raw mut encoder) }
     };
     expect(init(memory_start, size - 1, &raw const config), Status::StateTooSmall);
     expect(init(memory_start.wrapping_byte_add(4), size - 4, &raw const config), Status::Misaligned);
@@ -406,7 +407,7 @@ fn refused_memory(expect: &mut impl FnMut(Status, Status)) {
     expect(init(memory_start, size, odd), Status::Misaligned);
     assert!(encoder.is_null());
     // SAFETY: null is to be found.
-    expect(unsafe { flicr_encoder_init(memory_start, size, &raw const config, null_mut()) }, Status::NullPointer);
+    expect(unsafe { flicr_encoder_init_rle(memory_start, size, &raw const config, null_mut()) }, Status::NullPointer);
     assert!(memory.0.iter().all(|&word| word == 0xA5A5_A5A5_A5A5_A5A5), "nothing is written before all is checked");
 
     let zeros = vec![0_u64; size.div_ceil(8)];
@@ -418,8 +419,8 @@ fn refused_memory(expect: &mut impl FnMut(Status, Status)) {
 
 fn refused_calls(expect: &mut impl FnMut(Status, Status)) {
     let config = fixed();
-    let mut memory = Memory::of(&config);
-    let encoder = memory.init(&config).unwrap();
+    let mut memory = Memory::of(&config, flicr_coder::Rle);
+    let encoder = memory.init(&config, flicr_coder::Rle).unwrap();
     let (points, mut out, mut encoded) = (points(), vec![0_u8; 20_000], UNTOUCHED);
     let (records, out_start) = (points.as_ptr().cast::<c_void>(), out.as_mut_ptr().cast::<c_void>());
     let mut call = |records, count, stride, out: *mut c_void, len| {
@@ -453,5 +454,5 @@ fn refused_calls(expect: &mut impl FnMut(Status, Status)) {
         expect(flicr_finish(encoder, null_mut(), 12, &raw mut encoded), Status::NullPointer);
     }
     let per_frame = flicr_config { max_range_m: 0.0, ..config };
-    expect(start(memory.init(&per_frame).unwrap()), Status::ScaleNeedsWholeScan);
+    expect(start(memory.init(&per_frame, flicr_coder::Rle).unwrap()), Status::ScaleNeedsWholeScan);
 }

@@ -28,15 +28,18 @@ typedef struct {
   size_t count;
 } scan;
 
+typedef flicr_status init_function(void *, size_t, const flicr_config *, flicr_encoder **);
+
 typedef struct {
   uint32_t columns;
   flicr_coder coder;
+  init_function *init;
   const char *name;
 } frame_kind;
 
 static const frame_kind KINDS[] = {
-    {4500, FLICR_CODER_RLE, "rle"},
-    {256, FLICR_CODER_RLE, "rle"},
+    {4500, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
+    {256, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
 };
 
 /* All memory that flicr needs: sized at compile time, for the largest of the frames above. */
@@ -104,9 +107,9 @@ static scan make_up_scan(void) {
 static flicr_encoder *make_encoder(const frame_kind *kind) {
   flicr_config config;
   flicr_encoder *encoder;
-  check("configuration", flicr_config_init(FLICR_PRESET_UNIFORM, kind->columns, ROWS, kind->coder, &config));
+  check("configuration", flicr_config_init(FLICR_PRESET_UNIFORM, kind->columns, ROWS, &config));
   config.max_range_m = MAX_RANGE_M;
-  check("encoder", flicr_encoder_init(encoder_memory, sizeof encoder_memory, &config, &encoder));
+  check("encoder", kind->init(encoder_memory, sizeof encoder_memory, &config, &encoder));
   return encoder;
 }
 
