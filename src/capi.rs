@@ -20,7 +20,7 @@ use crate::frame;
 use crate::geometry::{Placement, UniformView, check_size};
 use crate::image::{ImageView, ImageViewMut};
 use crate::insert::{Collision, OutOfView, Policy};
-use crate::point::{Block, Points, in_blocks, read_xyz};
+use crate::point::{Block, Points, StridedPoints, XYZ_LEN, read_xyz};
 use crate::tally::Tally;
 
 /// Major version: changes where programs that use this header must be changed.
@@ -649,8 +649,6 @@ fn check_apart(memory: Span, [a, b]: [Span; 2]) -> Outcome<()> {
     if apart { Ok(()) } else { Err(flicr_status::Overlap) }
 }
 
-const XYZ_LEN: usize = 12;
-
 /// Records that start with x, y, z; the last one may end behind them.
 #[derive(Debug, Clone, Copy)]
 struct Records {
@@ -675,23 +673,36 @@ impl Records {
 
     /// # Safety
     /// The span may be read, and nobody writes to it before the result's last use.
-    unsafe fn points<'a>(self) -> StridedXyz<'a> {
+    unsafe fn points<'a>(self) -> Outcome<StridedXyz<'a>> {
         // SAFETY: the caller's promise; bytes need no alignment.
         let bytes = unsafe { core::slice::from_raw_parts(self.span.start, self.span.len) };
-        StridedXyz { bytes, stride: self.stride }
+        StridedXyz::new(bytes, self.stride).ok_or(flicr_status::Stride)
     }
 }
 
-/// As [`crate::StridedPoints`], whose last record must be whole, which in a C structure's middle it is not.
+/// Records of which the last may end behind x, y, z: [`StridedPoints`] takes whole ones only.
 #[derive(Debug, Clone, Copy)]
 struct StridedXyz<'a> {
-    bytes: &'a [u8],
-    stride: usize,
+    whole: StridedPoints<'a>,
+    last: &'a [u8],
+}
+
+impl<'a> StridedXyz<'a> {
+    fn new(bytes: &'a [u8], stride: usize) -> Option<Self> {
+        let whole = StridedPoints::new(bytes, stride)?;
+        let last = bytes.get(bytes.len() - whole.remainder_len()..)?;
+        Some(Self { whole, last })
+    }
 }
 
 impl Points for StridedXyz<'_> {
-    fn for_each_block(&self, each: impl FnMut(&Block, usize)) {
-        in_blocks(self.bytes.chunks(self.stride.max(XYZ_LEN)).map(read_xyz), each);
+    fn for_each_block(&self, mut each: impl FnMut(&Block, usize)) {
+        self.whole.for_each_block(&mut each);
+        if !self.last.is_empty() {
+            let mut block = Block::new();
+            let len = block.fill(core::iter::once(read_xyz(self.last)));
+            each(&block, len);
+        }
     }
 }
 
@@ -727,7 +738,7 @@ unsafe fn encode(
     unsafe {
         let Parts { head, coder, mut image } = parts(encoder, [scan.span, out.span])?;
         head.frame = None;
-        let frame = OpenFrame::of_scan(&head.config, &scan.points(), stamp.into(), &mut image)?;
+        let frame = OpenFrame::of_scan(&head.config, &scan.points()?, stamp.into(), &mut image)?;
         (head.finish)(coder, &frame, image.as_view(), out.bytes())
     }
 }
@@ -746,7 +757,7 @@ unsafe fn start(encoder: *mut flicr_encoder, stamp: flicr_stamp) -> Outcome<()> 
 /// As the header demands of `flicr_insert`.
 unsafe fn insert(encoder: *mut flicr_encoder, scan: Records) -> Outcome<()> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
-    let (Parts { head, mut image, .. }, points) = unsafe { (parts(encoder, [scan.span, Span::NONE])?, scan.points()) };
+    let (Parts { head, mut image, .. }, points) = unsafe { (parts(encoder, [scan.span, Span::NONE])?, scan.points()?) };
     let frame = head.frame.as_mut().ok_or(flicr_status::NotStarted)?;
     frame.tally().points.checked_add(scan.count).ok_or(flicr_status::TooManyPoints)?;
     frame.insert(&points, &mut image);
