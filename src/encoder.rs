@@ -1,12 +1,12 @@
 //! Wires the stages: points -> range image -> payload -> frame.
 
-use crate::coder::Coder;
+use crate::coder::{Coder, CoderId};
 use crate::config::{Config, Scale};
 use crate::error::{ConfigError, EncodeError};
 use crate::frame::{self, Header};
-use crate::geometry::UniformGrid;
+use crate::geometry::{Placement, UniformGrid};
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
-use crate::insert::{farthest_m, insert};
+use crate::insert::{Policy, farthest_m, insert};
 use crate::point::Points;
 use crate::quantize::Quantizer;
 use crate::tally::Tally;
@@ -107,26 +107,11 @@ pub fn encode<L: Level, C: Coder<L>, const NODES: usize>(
     config: &Config<NODES>,
     points: &(impl Points + ?Sized),
     stamp: Stamp,
-    image: ImageViewMut<'_, L>,
+    mut image: ImageViewMut<'_, L>,
     coder: &mut C,
     out: &mut [u8],
 ) -> Result<Encoded, EncodeError> {
-    let scale = Scale::Fixed { max_range_m: max_range_m(config, points) };
-    let mut frame = FrameEncoder::start(&Config { scale, ..*config }, stamp, image, coder)?;
-    frame.insert(points);
-    frame.finish(out)
-}
-
-/// Range of the largest level. A scan without a point, or with all of them nearer than floats can scale, gets a scale
-/// of one meter: its frame is empty and says so.
-fn max_range_m<const NODES: usize>(config: &Config<NODES>, points: &(impl Points + ?Sized)) -> f32 {
-    match config.scale {
-        Scale::Fixed { max_range_m } => max_range_m,
-        Scale::PerFrame => {
-            let farthest_m = farthest_m(points);
-            if Quantizer::new(config.level_bits, farthest_m).is_ok() { farthest_m } else { 1.0 }
-        }
-    }
+    OpenFrame::of_scan(config, points, stamp, &mut image)?.finish(image.as_view(), coder, out)
 }
 
 /// A frame whose points come piece by piece, in a borrowed image of any size.
@@ -144,13 +129,9 @@ fn max_range_m<const NODES: usize>(config: &Config<NODES>, points: &(impl Points
 /// ```
 #[derive(Debug)]
 pub struct FrameEncoder<'a, L: Level, C, const NODES: usize = 257> {
-    grid: UniformGrid<NODES>,
-    quantizer: Quantizer,
-    config: Config<NODES>,
-    stamp: Stamp,
+    frame: OpenFrame<NODES>,
     image: ImageViewMut<'a, L>,
     coder: &'a mut C,
-    tally: Tally,
 }
 
 impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES> {
@@ -164,28 +145,19 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
         mut image: ImageViewMut<'a, L>,
         coder: &'a mut C,
     ) -> Result<Self, EncodeError> {
-        let Scale::Fixed { max_range_m } = config.scale else {
-            return Err(EncodeError::ScaleNeedsWholeScan);
-        };
-        if !(L::BITS_MIN..=L::BITS).contains(&config.level_bits) {
-            return Err(ConfigError::LevelBits { found: config.level_bits, min: L::BITS_MIN, max: L::BITS }.into());
-        }
-        let quantizer = Quantizer::new(config.level_bits, max_range_m)?;
-        let view = image.as_view();
-        let grid = UniformGrid::with_tables(view.rows(), view.columns(), config.view, config.tables)?;
-        image.clear();
-        Ok(Self { grid, quantizer, config: *config, stamp, image, coder, tally: Tally::new() })
+        let frame = OpenFrame::start(config, stamp, &mut image)?;
+        Ok(Self { frame, image, coder })
     }
 
     /// Puts points into the image.
     pub fn insert(&mut self, points: &(impl Points + ?Sized)) {
-        insert(points, &self.grid, &self.quantizer, self.config.policy, &mut self.image, &mut self.tally);
+        self.frame.insert(points, &mut self.image);
     }
 
     /// What became of the points so far.
     #[must_use]
     pub const fn tally(&self) -> &Tally {
-        &self.tally
+        self.frame.tally()
     }
 
     /// Codes the image and writes the frame to the front of `out`.
@@ -193,15 +165,92 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
     /// # Errors
     /// [`EncodeError::OutputTooSmall`]; nothing in `out` is a frame then.
     pub fn finish(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
-        let (header, have) = (self.header(), out.len());
-        let image = self.image.as_view();
+        self.frame.finish(self.image.as_view(), self.coder, out)
+    }
+}
+
+/// A frame between its first point and its bytes. The image and the coder are lent to each step, so that a frame can
+/// stay open in memory that is not Rust's to borrow (the C ABI's).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OpenFrame<const NODES: usize = 257> {
+    grid: UniformGrid<NODES>,
+    quantizer: Quantizer,
+    placement: Placement,
+    policy: Policy,
+    stamp: Stamp,
+    tally: Tally,
+}
+
+impl<const NODES: usize> OpenFrame<NODES> {
+    /// Empties `image` and begins a frame of its size.
+    pub(crate) fn start<L: Level>(
+        config: &Config<NODES>,
+        stamp: Stamp,
+        image: &mut ImageViewMut<'_, L>,
+    ) -> Result<Self, EncodeError> {
+        let Scale::Fixed { max_range_m } = config.scale else {
+            return Err(EncodeError::ScaleNeedsWholeScan);
+        };
+        let view = image.as_view();
+        let frame = Self::new::<L>(config, max_range_m, stamp, view.rows(), view.columns())?;
+        image.clear();
+        Ok(frame)
+    }
+
+    /// Begins a frame with the scale that the configuration and the scan ask for, and puts the scan into `image`.
+    pub(crate) fn of_scan<L: Level>(
+        config: &Config<NODES>,
+        points: &(impl Points + ?Sized),
+        stamp: Stamp,
+        image: &mut ImageViewMut<'_, L>,
+    ) -> Result<Self, EncodeError> {
+        let scale = Scale::Fixed { max_range_m: max_range_m(config, points) };
+        let mut frame = Self::start(&Config { scale, ..*config }, stamp, image)?;
+        frame.insert(points, image);
+        Ok(frame)
+    }
+
+    /// A frame of `rows` x `columns` levels `L`, or what is wrong with the configuration.
+    pub(crate) fn new<L: Level>(
+        config: &Config<NODES>,
+        max_range_m: f32,
+        stamp: Stamp,
+        rows: usize,
+        columns: usize,
+    ) -> Result<Self, ConfigError> {
+        if !(L::BITS_MIN..=L::BITS).contains(&config.level_bits) {
+            return Err(ConfigError::LevelBits { found: config.level_bits, min: L::BITS_MIN, max: L::BITS });
+        }
+        let quantizer = Quantizer::new(config.level_bits, max_range_m)?;
+        let grid = UniformGrid::with_tables(rows, columns, config.view, config.tables)?;
+        let (placement, policy) = (config.placement, config.policy);
+        Ok(Self { grid, quantizer, placement, policy, stamp, tally: Tally::new() })
+    }
+
+    /// Puts points into the image that the frame was started with.
+    pub(crate) fn insert<L: Level>(&mut self, points: &(impl Points + ?Sized), image: &mut ImageViewMut<'_, L>) {
+        insert(points, &self.grid, &self.quantizer, self.policy, image, &mut self.tally);
+    }
+
+    pub(crate) const fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// Codes the image and writes the frame to the front of `out`.
+    pub(crate) fn finish<L: Level, C: Coder<L>>(
+        &self,
+        image: ImageView<'_, L>,
+        coder: &mut C,
+        out: &mut [u8],
+    ) -> Result<Encoded, EncodeError> {
+        let have = out.len();
         let worst_case = frame::worst_case_len::<L, C>(image.levels().len());
-        let len = frame::write(header, image, self.coder, out);
+        let len = frame::write(self.header(C::ID), image, coder, out);
         let len = len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?;
         Ok(Encoded { len, tally: self.tally, range_bound_m: self.quantizer.range_bound_m() })
     }
 
-    fn header(&self) -> Header {
+    fn header(&self, coder: CoderId) -> Header {
         use crate::geometry::Projection;
         Header {
             sequence: self.stamp.sequence,
@@ -209,10 +258,22 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
             rows: self.grid.rows(),
             columns: self.grid.columns(),
             quantizer: self.quantizer,
-            coder: C::ID,
+            coder,
             returns: self.tally.returns(),
-            view: self.config.view,
-            placement: self.config.placement,
+            view: *self.grid.view(),
+            placement: self.placement,
+        }
+    }
+}
+
+/// Range of the largest level. A scan without a point, or with all of them nearer than floats can scale, gets a scale
+/// of one meter: its frame is empty and says so.
+fn max_range_m<const NODES: usize>(config: &Config<NODES>, points: &(impl Points + ?Sized)) -> f32 {
+    match config.scale {
+        Scale::Fixed { max_range_m } => max_range_m,
+        Scale::PerFrame => {
+            let farthest_m = farthest_m(points);
+            if Quantizer::new(config.level_bits, farthest_m).is_ok() { farthest_m } else { 1.0 }
         }
     }
 }

@@ -123,6 +123,8 @@ impl<L: Level> Inserter<'_, L> {
     #[cold]
     #[inline(never)]
     fn count_refused(&mut self, block: &Block, i: usize, level: u32) {
+        // Never more than it was: without the remainder, a check would bring the panic machinery into firmware.
+        let i = i % BLOCK_LEN;
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
         let counter = if !(x.is_finite() && y.is_finite() && z.is_finite()) {
             &mut self.tally.not_finite

@@ -69,6 +69,9 @@ impl Points for [[f32; 4]] {
     }
 }
 
+/// Bytes of x, y, z.
+pub(crate) const XYZ_LEN: usize = 12;
+
 /// Points in records of `stride` bytes, each starting with x, y, z as little-endian `f32`: a ROS `PointCloud2`,
 /// a C array of structures, a KITTI file as read.
 ///
@@ -89,7 +92,7 @@ impl<'a> StridedPoints<'a> {
     /// `None` where a record could not hold x, y, z: `stride` must be at least 12.
     #[must_use]
     pub const fn new(bytes: &'a [u8], stride: usize) -> Option<Self> {
-        if stride < 12 { None } else { Some(Self { bytes, stride }) }
+        if stride < XYZ_LEN { None } else { Some(Self { bytes, stride }) }
     }
 
     /// Whole records.
@@ -114,9 +117,11 @@ impl<'a> StridedPoints<'a> {
 impl Points for StridedPoints<'_> {
     fn for_each_block(&self, mut each: impl FnMut(&Block, usize)) {
         let mut block = Block::new();
-        for records in self.bytes.chunks(self.stride.saturating_mul(BLOCK_LEN)) {
+        // As it was: that it is not 0 is said where the compiler, too, can see it, and needs no check.
+        let stride = self.stride.max(XYZ_LEN);
+        for records in self.bytes.chunks(stride.saturating_mul(BLOCK_LEN)) {
             // The commonest record, x, y, z and one more float, gets a loop of its own: a known stride saves a tenth.
-            let len = match self.stride {
+            let len = match stride {
                 16 => block.fill(records.chunks_exact(16).map(read_xyz)),
                 stride => block.fill(records.chunks_exact(stride).map(read_xyz)),
             };
@@ -127,7 +132,7 @@ impl Points for StridedPoints<'_> {
     }
 }
 
-fn read_xyz(record: &[u8]) -> [f32; 3] {
+pub(crate) fn read_xyz(record: &[u8]) -> [f32; 3] {
     match record {
         &[x0, x1, x2, x3, y0, y1, y2, y3, z0, z1, z2, z3, ..] => [
             f32::from_le_bytes([x0, x1, x2, x3]),

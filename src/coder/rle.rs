@@ -40,14 +40,19 @@ impl<L: Level> Coder<L> for Rle {
         let mut sink = Sink::new(out);
         let mut rest = image.levels();
         while !rest.is_empty() {
-            let (literals, from_run) = rest.split_at(literals_len(rest));
+            let (literals, from_run) = split(rest, literals_len(rest));
             put_literals(literals, &mut sink)?;
-            let (run, after) = from_run.split_at(run_len(from_run));
+            let (run, after) = split(from_run, run_len(from_run));
             put_run(run, &mut sink)?;
             rest = after;
         }
         Ok(sink.len())
     }
+}
+
+/// The first `len` levels and the rest, without a way to panic: all where `len` is too many, which it never is.
+fn split<L>(levels: &[L], len: usize) -> (&[L], &[L]) {
+    levels.split_at_checked(len).unwrap_or((levels, &[]))
 }
 
 /// Levels before the next run that is worth its control byte and the one of the literals behind it.

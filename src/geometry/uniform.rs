@@ -53,6 +53,12 @@ impl UniformView {
     }
 }
 
+/// Whether an image can have that many rows and columns.
+pub(crate) const fn check_size(rows: usize, columns: usize) -> Result<(), ConfigError> {
+    let too_large = rows > u16::MAX as usize || columns > u16::MAX as usize || rows * columns > PIXELS_MAX;
+    if too_large || rows == 0 || columns == 0 { Err(ConfigError::Size { rows, columns }) } else { Ok(()) }
+}
+
 /// Where in its pixel a decoded point is put.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -122,9 +128,8 @@ impl<const NODES: usize> UniformGrid<NODES> {
         view: UniformView,
         tables: &'static AngleTables<NODES>,
     ) -> Result<Self, ConfigError> {
-        let too_large = rows > u16::MAX as usize || columns > u16::MAX as usize || rows * columns > PIXELS_MAX;
-        if too_large || rows == 0 || columns == 0 {
-            return Err(ConfigError::Size { rows, columns });
+        if let Err(error) = check_size(rows, columns) {
+            return Err(error);
         }
         if let Err(error) = view.check() {
             return Err(error);

@@ -1,0 +1,27 @@
+/* What the header's macros give, for tests/c_client.rs to compare with the library's functions. As C99 and as C++. */
+#include <stdio.h>
+
+#include "flicr.h"
+
+/* Constants, or these would not compile. */
+static uint64_t memory[FLICR_ENCODER_WORDS(4500, 64, FLICR_CODER_RLE)];
+static uint8_t frame[FLICR_WORST_CASE_LEN(4500, 64, FLICR_CODER_RLE)];
+
+static void print_sizes(unsigned columns, unsigned rows, flicr_coder coder) {
+  printf("%u %u %u %lu %lu %lu\n", columns, rows, (unsigned)coder, (unsigned long)FLICR_ENCODER_SIZE(columns, rows, coder),
+         (unsigned long)FLICR_WORST_CASE_LEN(columns, rows, coder),
+         (unsigned long)FLICR_ENCODER_WORDS(columns, rows, coder));
+}
+
+int main(void) {
+  static const unsigned COLUMNS[] = {4500, 4096, 2048, 1024, 512, 256, 1, 3, 127, 129, 65535};
+  static const flicr_coder CODERS[] = {FLICR_CODER_STORE, FLICR_CODER_RLE};
+  for (unsigned i = 0; i < sizeof COLUMNS / sizeof COLUMNS[0]; i++)
+    for (unsigned j = 0; j < sizeof CODERS / sizeof CODERS[0]; j++) {
+      print_sizes(COLUMNS[i], 64, CODERS[j]);
+      print_sizes(COLUMNS[i], 1, CODERS[j]);
+    }
+  printf("version %lu align %d memory %lu frame %lu\n", (unsigned long)FLICR_VERSION, FLICR_ENCODER_ALIGN,
+         (unsigned long)sizeof memory, (unsigned long)sizeof frame);
+  return memory[0] != frame[0];
+}
