@@ -5,7 +5,8 @@
 //!
 //! Without the cross tools a test is skipped and counted as ignored; with `FLICR_REQUIRE_QEMU` it fails.
 
-mod common;
+#[path = "common/data.rs"]
+mod data;
 #[allow(dead_code, reason = "a part is for firmware")]
 mod firmware;
 
@@ -60,7 +61,7 @@ fn main() -> ExitCode {
         let skip = is_skipped(missing(client.target, &[client.compiler, client.runner.first().unwrap_or(&"cc")]));
         let name = |what: &str| format!("{}::{what}", client.name);
         trials.push(Trial::test(name("made_up_scan"), move || bytes_are_rusts(client, None)).with_ignored_flag(skip));
-        let scan = common::data_dir("c_client").map(|data| data.join("kitti/drive/000000.bin"));
+        let scan = data::FOLDER.as_ref().map(|folder| folder.join("kitti/drive/000000.bin"));
         let skip = skip || scan.is_none();
         trials.push(Trial::test(name("real_scan"), move || bytes_are_rusts(client, scan)).with_ignored_flag(skip));
     }
@@ -113,7 +114,7 @@ impl Client {
         let program = out_prefix.with_extension("elf");
         let flags = [self.flags, &["-std=c99"]].concat();
         run(compile(self.compiler, &flags, "examples/c/encode.c", &program).arg(library(self.target)?))?;
-        let words = self.runner.iter().map(|word| word.as_ref()).chain([program.as_os_str(), out_prefix.as_os_str()]);
+        let words = self.runner.iter().map(AsRef::as_ref).chain([program.as_os_str(), out_prefix.as_os_str()]);
         let words: Vec<_> = words.chain(scan.map(Path::as_os_str)).collect();
         run(Command::new(words[0]).args(&words[1..]))?;
         Ok(out_prefix)
@@ -123,7 +124,7 @@ impl Client {
 fn bytes_are_rusts(client: Client, scan: Option<PathBuf>) -> Result<(), Failed> {
     let out_prefix = client.run(scan.as_deref())?;
     let file = |name: &str| PathBuf::from(format!("{}-{name}", out_prefix.display()));
-    let points = common::read_scan(&scan.unwrap_or_else(|| file("scan.bin")));
+    let points = data::read_points(&scan.unwrap_or_else(|| file("scan.bin")));
     for columns in [4500, 256] {
         for (name, expected) in frames(columns, &points) {
             let from_c = std::fs::read(file(&format!("{columns}-{name}.flicr")))?;

@@ -1,6 +1,7 @@
 //! What several tests share.
 #![allow(dead_code, reason = "each test uses a part")]
 
+pub mod data;
 pub mod statistics;
 
 /// Points all around at all ranges, the same every time: a spiral over the band that an HDL-64E sees.

@@ -3,7 +3,7 @@
 use flicr::files;
 use pcd_rs::DynReader;
 
-use crate::data;
+use crate::common::data;
 
 pub fn point_files_are_read() {
     let expected = [

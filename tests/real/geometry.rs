@@ -1,7 +1,7 @@
 //! Columns of real points against double precision.
 
+use crate::common::data;
 use crate::common::xyz;
-use crate::data;
 
 #[path = "../common/reference.rs"]
 mod reference;

@@ -4,7 +4,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-mod data;
 mod files;
 mod geometry;
 mod metrics;
@@ -26,7 +25,7 @@ const TESTS: &[(&str, fn())] = &[
 ];
 
 fn main() -> ExitCode {
-    let skip = data::FOLDER.is_none();
+    let skip = common::data::FOLDER.is_none();
     if skip {
         eprintln!("skipped: no shared data beside the crate or at FLICR_DATA; {} tests ignored", TESTS.len());
     }

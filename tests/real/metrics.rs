@@ -4,8 +4,8 @@
 
 use flicr::metrics::{PAPER_MAX_RANGE_M, Quality, compare};
 
+use crate::common::data;
 use crate::common::xyz;
-use crate::data;
 
 const NEXT_TURN: Quality = Quality {
     mse_m2: 0.07909349606882987,

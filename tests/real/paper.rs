@@ -3,8 +3,8 @@
 use flicr::metrics::{PAPER_MAX_RANGE_M, distances};
 use flicr::{Config, Decoder, ImageViewMut, Rle, Stamp, encode};
 
+use crate::common::data::{self, Scan, median};
 use crate::common::xyz;
-use crate::data::{self, Scan, median};
 
 struct Expected {
     columns: usize,

@@ -2,8 +2,8 @@
 
 use flicr::geometry::sensors::hdl64e;
 
+use crate::common::data;
 use crate::common::statistics::{Statistics, median};
-use crate::data;
 
 pub fn the_beam_table_is_the_fit() {
     let text = std::fs::read_to_string(data::path("kitti/hdl64e_kitti_beams.csv")).unwrap();

@@ -1,5 +1,7 @@
 //! Real scans, where they are at hand: `FLICR_DATA`, else `../shared/data` beside the crate.
 
+#![allow(dead_code, reason = "each test uses a part")]
+
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
@@ -30,10 +32,14 @@ pub static KITTI: LazyLock<Vec<Scan>> = LazyLock::new(|| {
 });
 
 fn read(name: String) -> Scan {
-    let bytes = std::fs::read(path(&name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-    assert_eq!(bytes.len() % 16, 0, "{name} is no KITTI scan");
-    let points = bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect();
-    Scan { name, points }
+    Scan { points: read_points(&path(&name)), name }
+}
+
+/// The points of a KITTI file.
+pub fn read_points(path: &Path) -> Vec<[f32; 4]> {
+    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    assert_eq!(bytes.len() % 16, 0, "{} is no KITTI scan", path.display());
+    bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
 }
 
 /// The middle one; `values` must not be empty.
