@@ -8,6 +8,9 @@ SHELL := /bin/bash
 # All that runs on a desk. defmt is not among them: its symbols exist only in firmware that has a logger.
 FEATURES := std,cli,capi
 
+# Tests that write what they compare with where FLICR_BLESS is set.
+BLESSED := $(foreach test,qemu capi,$(if $(wildcard tests/$(test).rs),--test $(test)))
+
 help: ## list the verbs
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
@@ -43,6 +46,6 @@ size: ## flash, RAM and stack of the encoder on a Cortex-M
 no-panic: ## list what of Rust's panic machinery is in the encoder's firmware
 	@tools/no_panic.sh
 
-bless: ## accept what the emulated programs print as what they must print
-	@FLICR_BLESS=1 FLICR_REQUIRE_QEMU=1 tools/step.sh "renewal of the .out files" \
-		cargo test --quiet --features $(FEATURES) --test qemu
+bless: ## renew the files that tests compare with
+	@FLICR_BLESS=1 FLICR_REQUIRE_QEMU=1 tools/step.sh "renewal of the files that tests compare with" \
+		cargo test --quiet --features $(FEATURES) $(BLESSED)
