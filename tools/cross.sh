@@ -67,6 +67,8 @@ export_linux() {
     [[ $1 == aarch64-unknown-linux-gnu && $host_arch != aarch64 ]] || return 0
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
+    # Tests that emulate or take long can tell by this that they run emulated.
+    export FLICR_EMULATED=1
 }
 
 # Debian's compiler comes without rust-lld, which is what rustc would link bare metal with.

@@ -40,9 +40,9 @@ pub struct Mps2 {
 impl Mps2 {
     /// The board, once.
     pub fn take() -> Option<&'static mut Self> {
-        let mut core = Peripherals::take()?;
-        let map = map(&core.CPUID);
-        let clock = Mps2Clock::start(map, &mut core.DCB, &mut core.DWT);
+        let mut peripherals = Peripherals::take()?;
+        let map = map(&peripherals.CPUID);
+        let clock = Mps2Clock::start(map, &mut peripherals.DCB, &mut peripherals.DWT);
         let [project, code] = [1, 2].map(|mask| Light { register: map.lights, mask });
         cortex_m::singleton!(: Mps2 = Mps2 { clock, project, code })
     }
@@ -121,7 +121,7 @@ const CONTROL: usize = 0;
 const VALUE: usize = 4;
 const RELOAD: usize = 8;
 
-const fn timer_register(timer: usize, offset: usize) -> *mut u32 {
+fn timer_register(timer: usize, offset: usize) -> *mut u32 {
     core::ptr::with_exposed_provenance_mut(timer + offset)
 }
 

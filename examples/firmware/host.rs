@@ -12,24 +12,19 @@ use super::job::{Job, Usage};
 
 /// Bytes of a point in a scan: x, y, z and intensity as little-endian `f32`, as in KITTI's files.
 const POINT_LEN: usize = 16;
-const PIECE_LEN: usize = 2048 * POINT_LEN;
+/// Bytes of a scan that are read at a time.
+pub const PIECE_LEN: usize = 2048 * POINT_LEN;
 const LINE_LEN: usize = 256;
 const PATH_LEN: usize = 256;
-
-/// Where a piece of a scan is read to.
-pub type Piece = [u8; PIECE_LEN];
-
-/// An empty one.
-pub const PIECE: Piece = [0; PIECE_LEN];
 
 /// A scan that is read piece by piece, so that it need not fit into the board's memory.
 pub struct Scan<'a> {
     file: File,
-    piece: &'a mut Piece,
+    piece: &'a mut [u8; PIECE_LEN],
 }
 
 impl<'a> Scan<'a> {
-    pub fn open(path: &str, piece: &'a mut Piece) -> Result<Self, Fault> {
+    pub fn open(path: &str, piece: &'a mut [u8; PIECE_LEN]) -> Result<Self, Fault> {
         Ok(Self { file: File::open(c_path(path)?)?, piece })
     }
 

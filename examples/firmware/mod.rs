@@ -13,7 +13,7 @@ use core::fmt;
 
 use flicr::{Coder, Config, EncodeError, Encoded, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store, frame};
 
-use host::{PIECE, Piece, Scan, print_line, write_frame};
+use host::{PIECE_LEN, Scan, print_line, write_frame};
 use job::{CoderName, Job, Usage};
 use stage::Stage;
 pub use stage::{Board, Clock};
@@ -37,14 +37,21 @@ const fn max(a: usize, b: usize) -> usize {
 pub struct Memory {
     levels: [u8; PIXELS_MAX],
     frame: [u8; FRAME_LEN_MAX],
-    piece: Piece,
+    piece: [u8; PIECE_LEN],
     store: Store,
     rle: Rle,
 }
 
 impl Memory {
+    #[allow(clippy::large_stack_arrays, reason = "this initializes a static; no stack ever holds it")]
     pub const fn new() -> Self {
-        Self { levels: [0; PIXELS_MAX], frame: [0; FRAME_LEN_MAX], piece: PIECE, store: Store::new(), rle: Rle::new() }
+        Self {
+            levels: [0; PIXELS_MAX],
+            frame: [0; FRAME_LEN_MAX],
+            piece: [0; PIECE_LEN],
+            store: Store::new(),
+            rle: Rle::new(),
+        }
     }
 }
 
@@ -125,11 +132,11 @@ fn encode_one<B: Board, C: Coder<u8>>(
     let (mut project, mut code) = (Stage::new(), Stage::new());
 
     let start = || FrameEncoder::start(&config, Stamp::default(), image, coder);
-    let mut encoder = project.run(board, B::project_pin, start)?;
+    let mut filling = project.run(board, B::project_pin, start)?;
     while let Some(points) = scan.next_points()? {
-        project.run(board, B::project_pin, || encoder.insert(&points));
+        project.run(board, B::project_pin, || filling.insert(&points));
     }
-    let encoded = code.run(board, B::code_pin, || encoder.finish(out))?;
+    let encoded = code.run(board, B::code_pin, || filling.finish(out))?;
 
     let frame = out.get(..encoded.len).unwrap_or_default();
     write_frame(job, frame)?;

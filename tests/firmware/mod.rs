@@ -14,10 +14,11 @@ pub struct Firmware {
 impl Firmware {
     /// Builds it and gives its path.
     pub fn build(&self) -> Result<PathBuf, String> {
-        let build = ["build", "--quiet", "--profile", "firmware", "--example", self.example, "--target", self.target];
-        run(tool("cross.sh").args(build))?;
-        let built = run(tool("cross.sh").args(["--target-dir", self.target]))?;
-        Ok(PathBuf::from(built.trim()).join(self.target).join("firmware/examples").join(self.example))
+        let arguments =
+            ["build", "--quiet", "--profile", "firmware", "--example", self.example, "--target", self.target];
+        run(tool("cross.sh").args(arguments))?;
+        let folder = run(tool("cross.sh").args(["--target-dir", self.target]))?;
+        Ok(PathBuf::from(folder.trim()).join(self.target).join("firmware/examples").join(self.example))
     }
 
     /// What is needed and not on this machine: the target, or the command `program`.

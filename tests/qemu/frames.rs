@@ -52,9 +52,9 @@ impl Frame {
         let mut out = vec![0; frame::worst_case_len::<u8, C>(levels.len())];
         let image = ImageViewMut::new(&mut levels, self.columns).expect("whole rows");
         let config = Config { scale: Scale::Fixed { max_range_m: self.max_range_m }, ..Config::UNIFORM };
-        let mut encoder = FrameEncoder::start(&config, Stamp::default(), image, &mut coder).expect("a valid frame");
-        encoder.insert(points);
-        let encoded = encoder.finish(&mut out).expect("the worst case fits");
+        let mut filling = FrameEncoder::start(&config, Stamp::default(), image, &mut coder).expect("a valid frame");
+        filling.insert(points);
+        let encoded = filling.finish(&mut out).expect("the worst case fits");
         out.truncate(encoded.len);
         out
     }

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use flicr::simulate::Simulator;
 use libtest_mimic::Failed;
 
 use crate::frames::FRAMES;
 
-/// Real scans under `FLICR_DATA`: one of a drive, the two kinds of the paper's (one with fewer beams), another sensor's.
+/// Real scans under `FLICR_DATA`: one of a drive and two of the paper's, the second with fewer beams.
 const REAL: [&str; 3] = ["kitti/drive/000000.bin", "kitti/paper/1.bin", "kitti/paper/4.bin"];
 
 /// Points of 16 bytes in a file, and what the host makes of them.
@@ -56,25 +57,7 @@ impl Scan {
 /// Writes the simulated scan and gives its path.
 fn simulated() -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("qemu-simulated.bin");
-    let bytes: Vec<u8> = stand_in().as_flattened().iter().flat_map(|float| float.to_le_bytes()).collect();
-    std::fs::write(&path, bytes).expect("the target folder can be written to");
+    let turn = Simulator::hdl64e(1).next().expect("the drive has no end");
+    std::fs::write(&path, turn.kitti_bytes()).expect("the target folder can be written to");
     path
-}
-
-fn stand_in() -> Vec<[f32; 4]> {
-    let beam = |beam: u16| (2.0 - 0.4187 * f64::from(beam)).to_radians();
-    let firing = |firing: u16| (0.18 * f64::from(firing)).to_radians();
-    let rays = (0..64).flat_map(|row| (0..2000).map(move |column| (beam(row), firing(column))));
-    rays.filter_map(|(elevation, azimuth)| {
-        let (up, forward, left) = (
-            libm::sin(elevation),
-            libm::cos(elevation) * libm::cos(azimuth),
-            libm::cos(elevation) * libm::sin(azimuth),
-        );
-        let ground = if up < 0.0 { -1.73 / up } else { f64::INFINITY };
-        let wall = 8.0 / left.abs();
-        let range = ground.min(wall);
-        (range < 110.0).then_some([(range * forward) as f32, (range * left) as f32, (range * up) as f32, 0.5])
-    })
-    .collect()
 }

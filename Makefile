@@ -1,0 +1,51 @@
+# `make help` lists what there is. Scripts in tools/ do the work; each also runs alone.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test test-host test-aarch64 lint bench size no-panic bless
+
+# All that runs on a desk. defmt is not among them: its symbols exist only in firmware that has a logger.
+FEATURES := std,cli,capi
+
+# Tests that write what they compare with where FLICR_BLESS is set.
+BLESSED := $(foreach test,qemu capi,$(if $(wildcard tests/$(test).rs),--test $(test)))
+
+help: ## list the verbs
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: ## install what is missing: Rust targets, emulators, cross linkers
+	@tools/setup.sh
+
+demo: setup ## a scan through emulated firmware and back, with a table and a picture (FLICR_SCAN=path/to/kitti.bin)
+	@tools/demo.sh
+
+test: setup lint ## all checks: lint, tests on this machine, on emulated boards and on emulated AArch64 Linux
+	@$(MAKE) --no-print-directory test-host test-aarch64 size
+
+test-host: ## tests on this machine and on emulated boards
+	@tools/step.sh "build of the tests" cargo test --quiet --no-run --features $(FEATURES)
+	@FLICR_REQUIRE_QEMU=1 tools/step.sh "tests on this machine and on emulated boards" \
+		cargo test --quiet --features $(FEATURES)
+
+test-aarch64: ## the same tests as AArch64 Linux programs, under qemu-aarch64
+	@tools/step.sh "build of the tests for AArch64 Linux" tools/cross.sh test --quiet --no-run \
+		--features $(FEATURES) --target aarch64-unknown-linux-gnu
+	@tools/step.sh "tests on emulated AArch64 Linux" tools/cross.sh test --quiet \
+		--features $(FEATURES) --target aarch64-unknown-linux-gnu
+
+lint: ## formatting, clippy for every feature and target, rustdoc
+	@tools/lint.sh
+
+bench: ## timings, each paired with a baseline in the same run
+	@tools/step.sh "benchmarks" cargo bench --quiet --features $(FEATURES)
+
+size: ## flash, RAM and stack of the encoder on a Cortex-M
+	@tools/step.sh "size of the encoder on a Cortex-M" tools/size.sh
+
+no-panic: ## list what of Rust's panic machinery is in the encoder's firmware
+	@tools/no_panic.sh
+
+bless: ## renew the files that tests compare with
+	@FLICR_BLESS=1 FLICR_REQUIRE_QEMU=1 tools/step.sh "renewal of the files that tests compare with" \
+		cargo test --quiet --features $(FEATURES) $(BLESSED)

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# A scan goes into firmware on an emulated Cortex-M7 and comes out as frames, at two sizes; the host encodes the same
+# and must get the same bytes. Then the host decodes, measures, prints a table and draws a picture.
+#
+# FLICR_SCAN=path/to/kitti.bin   this scan in place of a simulated one
+# FLICR_MAX_RANGE_M=120          range of the largest level, meters (default 80)
+set -euo pipefail
+shopt -s inherit_errexit
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+scan=${FLICR_SCAN:+$(realpath "$FLICR_SCAN")}
+cd "$here/.."
+
+target=thumbv7em-none-eabihf
+coder=deflate
+max_range_m=${FLICR_MAX_RANGE_M:-80}
+sizes=(4500 256)
+build_dir=${CARGO_TARGET_DIR:-$PWD/target}
+out=$build_dir/demo
+flicr=$build_dir/release/flicr
+options=(--preset uniform --coder "$coder" --max-range "$max_range_m")
+mkdir -p "$out"
+
+step() { "$here/step.sh" "$@"; }
+
+step "build for this machine" cargo build --quiet --release --features cli
+step "build for Cortex-M7" "$here/cross.sh" build --quiet --profile firmware --example cortex_m --target $target
+firmware=$("$here/cross.sh" --target-dir $target)/$target/firmware/examples/cortex_m
+
+if [[ -z $scan ]]; then
+    scan=$out/simulated.bin
+    step "simulate a scan" "$flicr" simulate -o "$scan"
+fi
+
+jobs=()
+for columns in "${sizes[@]}"; do jobs+=("$columns:$coder:$max_range_m"); done
+step "encode on the emulated Cortex-M7" \
+    "$here/emulate.sh" m7 "$firmware" "$scan" "$out/board" "${jobs[@]}" | tee "$out/board.txt"
+
+for columns in "${sizes[@]}"; do
+    step "encode $columns x 64 on this machine" \
+        "$flicr" encode "$scan" -o "$out/host-$columns.flicr" --columns "$columns" "${options[@]}"
+    cmp "$out/host-$columns.flicr" "$out/board-$columns-$coder.flicr"
+    echo "    the same $(stat -c %s "$out/host-$columns.flicr") bytes on both"
+done
+
+measure() { "$flicr" eval "$scan" --json --columns "$(IFS=,; echo "${sizes[*]}")" "${options[@]}"; }
+echo "==> decode and measure"
+measured=$(measure)
+step "draw" "$flicr" view "$scan" -o "$out/demo.png" --columns "${sizes[0]}" "${options[@]}"
+
+# json LINE NAME: a number out of a flat JSON object.
+json() { sed -n "s/.*\"$2\":\([^,}]*\).*/\1/p" <<<"$1"; }
+# cost COLUMNS NAME: a number out of the firmware's line on that size.
+cost() { sed -n "s/^cost columns=$1 .* $2=\([0-9]*\).*/\1/p" "$out/board.txt"; }
+
+row='%-9s %7s %7s %7s %6s %7s %7s %8s %7s %9s %9s %12s %12s %9s\n'
+echo
+# shellcheck disable=SC2059 # the format is a constant
+{
+    printf "$row" "" "" "12 B/pt" "16 B/pt" bits/ points PSNR CD ePSNR encode decode project code ""
+    printf "$row" size bytes "ratio" "ratio" point "lost %" dB "m2" dB "ms" "ms" "instr." "instr." "RAM bytes"
+    while read -r line; do
+        columns=$(json "$line" columns)
+        printf "$row" "${columns}x64" "$(json "$line" bytes)" \
+            "$(printf %.1f "$(json "$line" ratio_xyz)")" "$(printf %.1f "$(json "$line" ratio_xyzi)")" \
+            "$(printf %.2f "$(json "$line" bpp)")" "$(awk "BEGIN { printf \"%.2f\", 100 * $(json "$line" se) }")" \
+            "$(printf %.2f "$(json "$line" psnr_db)")" "$(printf %.4f "$(json "$line" cd_m2)")" \
+            "$(printf %.2f "$(json "$line" epsnr_db)")" \
+            "$(awk "BEGIN { printf \"%.2f\", $(json "$line" encode_ns) / 1e6 }")" \
+            "$(awk "BEGIN { printf \"%.2f\", $(json "$line" decode_ns) / 1e6 }")" \
+            "$(cost "$columns" project)" "$(cost "$columns" code)" "$(cost "$columns" encoder_bytes)"
+    done <<<"$measured"
+}
+echo
+echo "Times are this machine's; instructions are the emulated Cortex-M7's (QEMU counts no cycles), RAM the encoder's."
+echo "Picture: $out/demo.png"

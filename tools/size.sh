@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Prints what an encoder takes on a Cortex-M, and fails where that is more than promised:
+#   flash         the smallest firmware that encodes (examples/footprint) less the same without the codec
+#   RAM           the encoder's static memory: range image and the coder's state
+#   worst frame   the output buffer that is enough for every frame
+#   stack         by painting, while the simulated scan is encoded on the emulated Cortex-M7 (examples/cortex_m)
+#   instructions  of that run: projection for each point, coding for each pixel
+#
+# Writes nothing outside target/.
+set -euo pipefail
+shopt -s inherit_errexit
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+cd "$here/.."
+
+target=thumbv7em-none-eabihf
+built=$("$here/cross.sh" --target-dir $target)/$target/firmware/examples
+scratch=${CARGO_TARGET_DIR:-target}/size
+mkdir -p "$scratch"
+
+# Kinds of encoder: COLUMNS:CODER, most bytes of flash, of RAM and of stack.
+kinds=(
+    "4500:rle 32768 352256 4096"
+    "256:rle 32768 49152 4096"
+)
+
+# Bytes that end up in flash: code, constants, and the statics' initial values.
+flash_bytes() { arm-none-eabi-size "$1" | awk 'NR == 2 { print $1 + $2 }'; }
+
+symbol_bytes() { printf '%d' "0x$(arm-none-eabi-nm -S "$1" | awk -v name="$2" '$4 == name { print $2 }')"; }
+
+# The tests' simulated scan, which any run of theirs writes.
+simulated_scan() {
+    cargo test --quiet --features std --test qemu -- --list >/dev/null
+    echo "${CARGO_TARGET_DIR:-target}/tmp/qemu-simulated.bin"
+}
+
+# cost_lines SCAN: what the firmware says of every kind.
+cost_lines() {
+    "$here/cross.sh" build --quiet --profile firmware --example cortex_m --target $target
+    local kind
+    "$here/emulate.sh" m7 "$built/cortex_m" "$1" "$scratch/frame" \
+        $(for kind in "${kinds[@]}"; do echo "${kind%% *}:120"; done)
+}
+
+# field LINES COLUMNS:CODER NAME: a number out of the lines on that kind.
+field() {
+    awk -v columns="columns=${2%:*}" -v coder="coder=${2#*:}" -v name="$3=" '
+        $2 == columns && $3 == coder { for (i = 4; i <= NF; i++) if (index($i, name) == 1) print substr($i, length(name) + 1) }
+    ' <<<"$1"
+}
+
+failed=
+# within NAME VALUE LIMIT
+within() {
+    (($2 <= $3)) && return
+    echo "size.sh: $1 is $2, promised are at most $3" >&2
+    failed=yes
+}
+
+empty=$(flash_bytes "$("$here/footprint.sh" none)")
+costs=$(cost_lines "$(simulated_scan)")
+row='%-14s %8s %8s %12s %7s %14s %14s\n'
+# shellcheck disable=SC2059 # the format is a constant
+printf "$row" encoder flash RAM "worst frame" stack "instr./point" "instr./pixel"
+for kind in "${kinds[@]}"; do
+    read -r name flash_max ram_max stack_max <<<"$kind"
+    firmware=$("$here/footprint.sh" "$name")
+    flash=$(($(flash_bytes "$firmware") - empty))
+    ram=$(symbol_bytes "$firmware" ENCODER)
+    stack=$(field "$costs" "$name" stack_bytes)
+    points=$(field "$costs" "$name" points)
+    # shellcheck disable=SC2059
+    printf "$row" "$name" "$flash" "$ram" "$(symbol_bytes "$firmware" OUT)" "$stack" \
+        "$(($(field "$costs" "$name" project) / points))" "$(($(field "$costs" "$name" code) / (64 * ${name%:*})))"
+    within "flash of $name" "$flash" "$flash_max"
+    within "RAM of $name" "$ram" "$ram_max"
+    within "stack of $name" "$stack" "$stack_max"
+done
+[[ -z $failed ]]
