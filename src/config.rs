@@ -51,8 +51,10 @@ impl Config {
     };
 
     /// The best that evenly spaced rows and columns can do on an HDL-64E: the nearest point wins and comes back in
-    /// the middle of its pixel.
+    /// the middle of its pixel, and the rows lie a tenth of a degree higher, where its beams fit them better (0.04 to
+    /// 0.14 dB on KITTI).
     pub const UNIFORM: Self = Self {
+        view: UniformView::all_around(2.1, -24.7),
         placement: Placement::Center,
         policy: Policy { collision: Collision::Nearest, out_of_view: OutOfView::Clamp },
         ..Self::PAPER

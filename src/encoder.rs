@@ -86,6 +86,34 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
         encode(config, points, stamp, self.image.view_mut(), &mut self.coder, out)
     }
 
+    /// As [`encode`](Self::encode), into a vector of fixed capacity, whose length becomes the frame's: to pass frames on
+    /// through a queue.
+    ///
+    /// ```
+    /// use flicr::{Config, Encoder, Rle, Stamp};
+    /// let mut encoder: Encoder<64, 256, u8, Rle> = Encoder::new(Rle::new());
+    /// let mut frame = heapless::Vec::<u8, 2048>::new();
+    /// encoder.encode_into(&Config::UNIFORM, [[10.0_f32, 0.0, -1.0]].as_slice(), Stamp::default(), &mut frame)?;
+    /// assert!(frame.starts_with(b"FLCR"));
+    /// # Ok::<(), flicr::EncodeError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`encode`](Self::encode); the vector is empty then.
+    pub fn encode_into<const N: usize, const NODES: usize>(
+        &mut self,
+        config: &Config<NODES>,
+        points: &(impl Points + ?Sized),
+        stamp: Stamp,
+        out: &mut heapless::Vec<u8, N>,
+    ) -> Result<Encoded, EncodeError> {
+        // Never fails: the length asked for is the capacity.
+        let _ = out.resize_default(N);
+        let encoded = self.encode(config, points, stamp, out);
+        out.truncate(encoded.map_or(0, |encoded| encoded.len));
+        encoded
+    }
+
     /// Begins a frame whose points come piece by piece.
     ///
     /// # Errors

@@ -97,6 +97,23 @@ impl Quantizer {
         self.step_m * (0.5 + self.max_level() as f32 * f32::EPSILON * 4.0)
     }
 
+    /// The PSNR that rounding to levels alone leaves, dB: errors even over a step, against the peak `max_range_m`
+    /// (the paper's 80 m). What a device can say of its own quality without decoding. The projection's error is not
+    /// in it, nor that the metric takes the nearest of all points.
+    ///
+    /// `micromath`'s logarithm: within 0.01 dB as long as a step is shorter than `max_range_m`, with a fraction of an
+    /// exact one's code. It is for reports; no byte of a frame depends on it.
+    ///
+    /// ```
+    /// let quantizer = flicr::Quantizer::new(8, 80.0).unwrap();
+    /// assert!((quantizer.expected_psnr_db(80.0) - 58.92).abs() < 0.01);
+    /// ```
+    #[must_use]
+    pub fn expected_psnr_db(&self, max_range_m: f32) -> f32 {
+        // The mean square of an error that is even over a step is step^2 / 12.
+        20.0 * micromath::F32Ext::log10(max_range_m / self.step_m) + 10.791_812
+    }
+
     /// The level of a range in meters (not negative, not NaN).
     ///
     /// # Errors

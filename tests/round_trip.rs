@@ -327,3 +327,16 @@ fn the_builder_takes_any_borrowed_image() {
     let header = flicr::frame::parse_header(&out[..len]).unwrap();
     assert_eq!((header.rows, header.columns), (16, 360));
 }
+
+#[test]
+fn the_expected_psnr_is_within_a_hundredth_of_the_exact_one() {
+    for bits in 3..=16 {
+        for max_range_m in [0.5, 20.0, 80.0, 120.0, 300.0] {
+            let quantizer = Quantizer::new(bits, max_range_m).unwrap();
+            let step = f64::from(quantizer.step_m());
+            let exact = 10.0 * (80.0_f64 * 80.0 / (step * step / 12.0)).log10();
+            let off = (f64::from(quantizer.expected_psnr_db(80.0)) - exact).abs();
+            assert!(off < 0.01, "{bits} bits over {max_range_m} m: {off} dB off");
+        }
+    }
+}
