@@ -4,6 +4,7 @@
 #
 # FLICR_SCAN=path/to/kitti.bin   this scan in place of a simulated one
 # FLICR_MAX_RANGE_M=120          range of the largest level, meters (default 80)
+# FLICR_CODER=store              this coder (default rle)
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -12,7 +13,7 @@ scan=${FLICR_SCAN:+$(realpath "$FLICR_SCAN")}
 cd "$here/.."
 
 target=thumbv7em-none-eabihf
-coder=deflate
+coder=${FLICR_CODER:-rle}
 max_range_m=${FLICR_MAX_RANGE_M:-80}
 sizes=(4500 256)
 build_dir=${CARGO_TARGET_DIR:-$PWD/target}
@@ -44,9 +45,8 @@ for columns in "${sizes[@]}"; do
     echo "    the same $(stat -c %s "$out/host-$columns.flicr") bytes on both"
 done
 
-measure() { "$flicr" eval "$scan" --json --columns "$(IFS=,; echo "${sizes[*]}")" "${options[@]}"; }
-echo "==> decode and measure"
-measured=$(measure)
+measured=$(step "decode and measure" \
+    "$flicr" eval "$scan" --json --columns "$(IFS=,; echo "${sizes[*]}")" "${options[@]}")
 step "draw" "$flicr" view "$scan" -o "$out/demo.png" --columns "${sizes[0]}" "${options[@]}"
 
 # json LINE NAME: a number out of a flat JSON object.

@@ -11,6 +11,7 @@ mod uniform;
 
 #[cfg(feature = "std")]
 pub(crate) use sphere::Sphere;
+#[cfg(feature = "capi")]
 pub(crate) use uniform::check_size;
 pub use uniform::{Placement, UniformGrid, UniformView};
 
