@@ -30,7 +30,9 @@ pub mod metrics;
 #[cfg(feature = "std")]
 pub mod simulate;
 
-pub use coder::{Coder, CoderId, Rle, Store};
+pub use coder::{
+    Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
+};
 pub use config::{Config, Scale};
 pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
 pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};

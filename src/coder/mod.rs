@@ -1,10 +1,13 @@
 //! Lossless coders of a range image's levels. Forward and inverse of each stand side by side in one file.
 
+pub(crate) mod bits;
+pub(crate) mod deflate;
 #[cfg(feature = "std")]
 pub(crate) mod inflate;
 pub(crate) mod rle;
 pub(crate) mod store;
 
+pub use deflate::{Deflate, DeflateDefault, DeflateDense, DeflateSmall};
 pub use rle::Rle;
 pub use store::Store;
 
@@ -13,6 +16,14 @@ use crate::image::{ImageView, Level};
 /// The output buffer ran out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutputFull;
+
+impl core::fmt::Display for OutputFull {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the payload does not fit in the output buffer")
+    }
+}
+
+impl core::error::Error for OutputFull {}
 
 /// Which coder wrote a payload; the number in the frame header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
