@@ -5,7 +5,7 @@ mod baseline;
 
 use std::time::{Duration, Instant};
 
-use flicr::{Config, Decoder, FrameEncoder, ImageViewMut, Limits, Rle, Scale, Stamp, encode};
+use flicr::{Config, Decoder, DeflateDefault, FrameEncoder, ImageViewMut, Limits, Scale, Stamp, encode};
 
 const COLUMNS: usize = 4500;
 const ROUNDS: usize = 40;
@@ -50,7 +50,7 @@ fn time(work: &mut impl FnMut()) -> Duration {
 
 struct Ours {
     levels: Vec<u8>,
-    coder: Rle,
+    coder: Box<DeflateDefault>,
     out: Vec<u8>,
     decoder: Decoder,
     points: Vec<[f32; 3]>,
@@ -60,7 +60,7 @@ impl Ours {
     fn new() -> Self {
         Self {
             levels: vec![0; 64 * COLUMNS],
-            coder: Rle::new(),
+            coder: Box::new(DeflateDefault::new()),
             out: vec![0; 400_000],
             decoder: Decoder::new(Limits::default()),
             points: Vec::new(),
@@ -70,14 +70,14 @@ impl Ours {
     fn project(&mut self, scan: &[[f32; 4]]) {
         let config = Config { scale: Scale::Fixed { max_range_m: 80.0 }, ..Config::PAPER };
         let image = ImageViewMut::new(&mut self.levels, COLUMNS).unwrap();
-        let mut frame = FrameEncoder::start(&config, Stamp::default(), image, &mut self.coder).unwrap();
+        let mut frame = FrameEncoder::start(&config, Stamp::default(), image, &mut *self.coder).unwrap();
         frame.insert(scan);
         std::hint::black_box(frame.tally());
     }
 
     fn encode(&mut self, scan: &[[f32; 4]]) {
         let image = ImageViewMut::new(&mut self.levels, COLUMNS).unwrap();
-        let encoded = encode(&Config::PAPER, scan, Stamp::default(), image, &mut self.coder, &mut self.out).unwrap();
+        let encoded = encode(&Config::PAPER, scan, Stamp::default(), image, &mut *self.coder, &mut self.out).unwrap();
         std::hint::black_box(encoded);
     }
 

@@ -5,8 +5,8 @@
 mod common;
 
 use flicr::{
-    Coder, CoderId, Config, DecodeError, Decoder, HeaderField, ImageViewMut, LimitKind, Limits, PayloadFault, Rle,
-    Stamp, Store, encode, frame,
+    Coder, CoderId, Config, DecodeError, Decoder, DeflateSmall, HeaderField, ImageViewMut, LimitKind, Limits,
+    PayloadFault, Rle, Stamp, Store, encode, frame,
 };
 use proptest::prelude::*;
 
@@ -22,8 +22,8 @@ fn frame_by<C: Coder<u8>>(mut coder: C) -> Vec<u8> {
     out
 }
 
-fn frames() -> [Vec<u8>; 2] {
-    [frame_by(Store::new()), frame_by(Rle::new())]
+fn frames() -> [Vec<u8>; 3] {
+    [frame_by(Store::new()), frame_by(Rle::new()), frame_by(DeflateSmall::new())]
 }
 
 fn error(bytes: &[u8]) -> DecodeError {
@@ -83,7 +83,7 @@ fn a_damaged_body_is_named_as_such() {
 
 #[test]
 fn wrong_magic_and_version() {
-    let [bytes, _] = frames();
+    let [bytes, ..] = frames();
     assert_eq!(error(&with(&bytes, 0, b"GLCR")), DecodeError::Magic { found: *b"GLCR" });
     assert_eq!(error(&with(&bytes, 4, &[9])), DecodeError::Version { found: 9, supported: 1 });
     assert_eq!(error(b"ply\nformat ascii"), DecodeError::Magic { found: *b"ply\n" });
@@ -91,7 +91,7 @@ fn wrong_magic_and_version() {
 
 #[test]
 fn wrong_header_fields_are_named() {
-    let [bytes, _] = frames();
+    let [bytes, ..] = frames();
     let nan = f32::NAN.to_le_bytes();
     let cases: [(usize, &[u8], HeaderField); 17] = [
         (5, &[2], HeaderField::Flags),
@@ -121,7 +121,7 @@ fn wrong_header_fields_are_named() {
 
 #[test]
 fn a_gigantic_claim_costs_nothing() {
-    let [bytes, _] = frames();
+    let [bytes, ..] = frames();
     let huge = sealed(with(&bytes, 24, &[0xff; 4]));
     let claimed = 65_535 * 65_535;
     let limit = DecodeError::Limit { limit: LimitKind::Pixels, found: claimed, allowed: 4 << 20 };
@@ -148,7 +148,7 @@ fn trailing_bytes() {
 
 #[test]
 fn strips_out_of_order_or_short() {
-    let [bytes, _] = frames();
+    let [bytes, ..] = frames();
     let case = |at, new: &[u8]| error(&sealed(with(&bytes, at, new)));
     assert_eq!(case(64, &[1, 0]), DecodeError::StripOrder { found: 1, expected: 0 });
     for columns in [0, 63, 65] {
@@ -163,7 +163,7 @@ fn strips_out_of_order_or_short() {
 
 /// The frame of a payload, and as many strips as payloads.
 fn frame_of(coder: CoderId, level_bits: u8, payloads: &[&[u8]]) -> Vec<u8> {
-    let [bytes, _] = frames();
+    let [bytes, ..] = frames();
     let columns = (COLUMNS / payloads.len()) as u16;
     let mut frame = with(&bytes[..64], 28, &[level_bits, coder as u8, payloads.len() as u8, 0]);
     let step = flicr::Quantizer::new(level_bits.into(), 80.0).unwrap();
@@ -237,7 +237,7 @@ proptest! {
 
     #[test]
     fn random_bytes_behind_a_right_start(mut bytes in prop::collection::vec(any::<u8>(), 60..400), keep in 5_usize..64) {
-        let [good, _] = frames();
+        let [good, ..] = frames();
         let keep = keep.min(bytes.len());
         bytes[..keep].copy_from_slice(&good[..keep]);
         let _ = Decoder::default().decode(&bytes);

@@ -127,7 +127,7 @@ fn images_of_every_size_come_back() {
 fn every_kind_of_block_is_written_where_it_is_best() {
     let kind = |bytes: &[u8]| {
         let mut out = vec![0; DeflateSmall::worst_case_len(bytes.len())];
-        Box::new(DeflateSmall::new()).encode_bytes(bytes, 0, &mut out).unwrap();
+        DeflateSmall::new().encode_bytes(bytes, 0, &mut out).unwrap();
         out[0] >> 1 & 3
     };
     assert_eq!(kind(&noise(1000, 255)), 0, "stored");

@@ -4,8 +4,8 @@
 mod common;
 
 use flicr::{
-    Coder, Collision, Config, Decoder, Encoded, Encoder, FrameEncoder, ImageViewMut, Level, Levels, Limits, OutOfView,
-    Placement, Policy, Quantizer, Rle, Scale, Stamp, Store, StridedPoints, encode,
+    Coder, Collision, Config, Decoder, DeflateSmall, Encoded, Encoder, FrameEncoder, ImageViewMut, Level, Levels,
+    Limits, OutOfView, Placement, Policy, Quantizer, Rle, Scale, Stamp, Store, StridedPoints, encode,
 };
 use proptest::prelude::*;
 
@@ -104,9 +104,11 @@ fn every_coder_gives_the_same_image() {
     let stored = levels(&encoded::<u8, _>(&config, 512, &points, Store::new()).1);
     assert!(matches!(&stored, Levels::U8(levels) if levels.iter().any(|&l| l != 0)));
     assert_eq!(levels(&encoded::<u8, _>(&config, 512, &points, Rle::new()).1), stored);
+    assert_eq!(levels(&encoded::<u8, _>(&config, 512, &points, DeflateSmall::new()).1), stored);
     let config = Config { level_bits: 14, ..config };
     let stored = levels(&encoded::<u16, _>(&config, 512, &points, Store::new()).1);
     assert_eq!(levels(&encoded::<u16, _>(&config, 512, &points, Rle::new()).1), stored);
+    assert_eq!(levels(&encoded::<u16, _>(&config, 512, &points, DeflateSmall::new()).1), stored);
 }
 
 #[test]

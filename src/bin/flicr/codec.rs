@@ -1,16 +1,13 @@
 //! The library's encoder and decoder, with level type and coder chosen at run time.
 
-mod deflate;
-
 use flicr::coder::{Coder, WorstCase};
 use flicr::{
-    Config, EncodeError, Encoded, ImageViewMut, Level, Levels, Limits, Quantizer, Rle, Scale, Stamp, Store,
-    UniformGrid, encode,
+    Config, DeflateDefault, EncodeError, Encoded, ImageViewMut, Level, Levels, Limits, Quantizer, Rle, Scale, Stamp,
+    Store, UniformGrid, encode,
 };
 
 use crate::args::{CoderName, FrameArgs};
 use crate::failure::Failure;
-use deflate::Deflate;
 
 /// Encodes scans as the command line asks, with memory for one frame.
 pub struct Codec {
@@ -24,7 +21,7 @@ pub struct Codec {
 
 enum AnyCoder {
     Rle(Rle),
-    Deflate(Box<Deflate>),
+    Deflate(Box<DeflateDefault>),
     Store(Store),
 }
 
@@ -90,18 +87,18 @@ impl AnyCoder {
     fn new(name: CoderName) -> Self {
         match name {
             CoderName::Rle => Self::Rle(Rle::new()),
-            CoderName::Deflate => Self::Deflate(Box::new(Deflate::new())),
+            CoderName::Deflate => Self::Deflate(Box::new(DeflateDefault::new())),
             CoderName::Store => Self::Store(Store::new()),
         }
     }
 
     fn worst_case<L: Level>(&self) -> WorstCase
     where
-        Deflate: Coder<L>,
+        DeflateDefault: Coder<L>,
     {
         match self {
             Self::Rle(_) => <Rle as Coder<L>>::WORST_CASE,
-            Self::Deflate(_) => <Deflate as Coder<L>>::WORST_CASE,
+            Self::Deflate(_) => <DeflateDefault as Coder<L>>::WORST_CASE,
             Self::Store(_) => <Store as Coder<L>>::WORST_CASE,
         }
     }
@@ -115,7 +112,7 @@ impl AnyCoder {
         out: &mut [u8],
     ) -> Result<Encoded, EncodeError>
     where
-        Deflate: Coder<L>,
+        DeflateDefault: Coder<L>,
     {
         let size = flicr::ConfigError::Size { rows: 0, columns };
         let image = ImageViewMut::new(levels, columns).ok_or(size)?;
