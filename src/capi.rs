@@ -12,7 +12,7 @@
 
 use core::ffi::{CStr, c_char, c_void};
 
-use crate::coder::{Coder, Rle, Store};
+use crate::coder::{Coder, DeflateDefault, DeflateDense, DeflateSmall, Rle, Store, WorstCase};
 use crate::config::{Config, Scale};
 use crate::encoder::{Encoded, OpenFrame, Stamp};
 use crate::error::{ConfigError, EncodeError};
@@ -36,8 +36,22 @@ pub const FLICR_ENCODER_ALIGN: usize = 8;
 pub const FLICR_ENCODER_OVERHEAD: usize = 256;
 /// Bytes that a frame takes besides its payload.
 pub const FLICR_FRAME_OVERHEAD_LEN: usize = 76;
-/// `FLICR_CODER_RLE` writes one byte more for each so many pixels that do not repeat.
+/// Bytes of the state of FLICR_CODER_DEFLATE.
+pub const FLICR_DEFLATE_STATE_LEN: usize = 56_556;
+/// Bytes of the state of FLICR_CODER_DEFLATE_SMALL.
+pub const FLICR_DEFLATE_SMALL_STATE_LEN: usize = 13_548;
+/// Bytes of the state of FLICR_CODER_DEFLATE_DENSE.
+pub const FLICR_DEFLATE_DENSE_STATE_LEN: usize = 204_012;
+/// FLICR_CODER_RLE writes one byte more for each so many pixels that do not repeat.
 pub const FLICR_RLE_BLOCK_LEN: usize = 128;
+/// FLICR_CODER_DEFLATE writes FLICR_DEFLATE_BLOCK_COST bytes more for each so many pixels that it cannot make smaller.
+pub const FLICR_DEFLATE_BLOCK_LEN: usize = 3071;
+/// As FLICR_DEFLATE_BLOCK_LEN, for FLICR_CODER_DEFLATE_SMALL.
+pub const FLICR_DEFLATE_SMALL_BLOCK_LEN: usize = 1535;
+/// As FLICR_DEFLATE_BLOCK_LEN, for FLICR_CODER_DEFLATE_DENSE.
+pub const FLICR_DEFLATE_DENSE_BLOCK_LEN: usize = 3071;
+/// Bytes that every block costs, with any of the three.
+pub const FLICR_DEFLATE_BLOCK_COST: usize = 5;
 
 /// What went wrong. The numbers stay what they are; later versions may add some.
 #[repr(i32)]
@@ -118,6 +132,12 @@ pub enum flicr_coder {
     Store = 0,
     /// Run lengths: no state, the fewest instructions.
     Rle = 1,
+    /// DEFLATE (RFC 1951), which every zlib inflates: about as small as zlib -6 makes it, much sooner.
+    Deflate = 2,
+    /// DEFLATE with a quarter of the memory, and a few percent more bytes.
+    DeflateSmall = 3,
+    /// DEFLATE with four times the memory, and a few percent fewer bytes.
+    DeflateDense = 4,
 }
 
 /// Which point a pixel keeps where several fall into it.
@@ -252,8 +272,14 @@ const _: () = {
     assert!(align_of::<flicr_encoder>() == FLICR_ENCODER_ALIGN);
     assert!(FLICR_ENCODER_OVERHEAD.is_multiple_of(FLICR_ENCODER_ALIGN));
     assert!(FLICR_FRAME_OVERHEAD_LEN == frame::OVERHEAD_LEN);
-    assert!(FLICR_RLE_BLOCK_LEN == <Rle as Coder<u8>>::WORST_CASE.block_len);
-    assert!(<Rle as Coder<u8>>::WORST_CASE.bytes_per_block == 1);
+    assert!(is_worst_case::<Rle>(FLICR_RLE_BLOCK_LEN, 1));
+    assert!(is_worst_case::<DeflateDefault>(FLICR_DEFLATE_BLOCK_LEN, FLICR_DEFLATE_BLOCK_COST));
+    assert!(is_worst_case::<DeflateSmall>(FLICR_DEFLATE_SMALL_BLOCK_LEN, FLICR_DEFLATE_BLOCK_COST));
+    assert!(is_worst_case::<DeflateDense>(FLICR_DEFLATE_DENSE_BLOCK_LEN, FLICR_DEFLATE_BLOCK_COST));
+    // Where one of these does not compile, the compiler says which length is right.
+    let _: [u8; size_of::<DeflateDefault>()] = [0; FLICR_DEFLATE_STATE_LEN];
+    let _: [u8; size_of::<DeflateSmall>()] = [0; FLICR_DEFLATE_SMALL_STATE_LEN];
+    let _: [u8; size_of::<DeflateDense>()] = [0; FLICR_DEFLATE_DENSE_STATE_LEN];
     assert!(flicr_collision::Nearest as u32 == Collision::Nearest as u32);
     assert!(flicr_collision::Farthest as u32 == Collision::Farthest as u32);
     assert!(flicr_collision::First as u32 == Collision::First as u32);
@@ -263,6 +289,11 @@ const _: () = {
     assert!(flicr_placement::Center as u32 == Placement::Center as u32);
     assert!(flicr_placement::Corner as u32 == Placement::Corner as u32);
 };
+
+const fn is_worst_case<C: Coder<u8>>(len: usize, cost: usize) -> bool {
+    let WorstCase { bytes_per_level, block_len, bytes_per_block } = C::WORST_CASE;
+    bytes_per_level == 1 && block_len == len && bytes_per_block == cost
+}
 
 /// The version of the library, to compare with FLICR_VERSION, the header's.
 #[unsafe(no_mangle)]
@@ -317,7 +348,7 @@ pub unsafe extern "C" fn flicr_encoder_init_store(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder(state, state_len, &read(config)?, Store::new)) }
+    unsafe { deliver(out_encoder, || place_encoder::<Store>(state, state_len, &read(config)?)) }
 }
 
 /// As flicr_encoder_init_store, for FLICR_CODER_RLE.
@@ -329,7 +360,43 @@ pub unsafe extern "C" fn flicr_encoder_init_rle(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder(state, state_len, &read(config)?, Rle::new)) }
+    unsafe { deliver(out_encoder, || place_encoder::<Rle>(state, state_len, &read(config)?)) }
+}
+
+/// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_encoder_init_deflate(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_config,
+    out_encoder: *mut *mut flicr_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the three pointers.
+    unsafe { deliver(out_encoder, || place_encoder::<DeflateDefault>(state, state_len, &read(config)?)) }
+}
+
+/// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_encoder_init_deflate_small(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_config,
+    out_encoder: *mut *mut flicr_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the three pointers.
+    unsafe { deliver(out_encoder, || place_encoder::<DeflateSmall>(state, state_len, &read(config)?)) }
+}
+
+/// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_encoder_init_deflate_dense(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_config,
+    out_encoder: *mut *mut flicr_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the three pointers.
+    unsafe { deliver(out_encoder, || place_encoder::<DeflateDense>(state, state_len, &read(config)?)) }
 }
 
 /// Encodes a whole scan to the front of `out`: `count` records, `stride_bytes` apart, each starting with x, y, z as
@@ -481,13 +548,17 @@ impl flicr_config {
 
 impl flicr_coder {
     fn from_code(code: CoderCode) -> Option<Self> {
-        [Self::Store, Self::Rle].get(code as usize).copied()
+        let all = [Self::Store, Self::Rle, Self::Deflate, Self::DeflateSmall, Self::DeflateDense];
+        all.get(code as usize).copied()
     }
 
     const fn state_len(self) -> usize {
         match self {
             Self::Store => size_of::<Store>(),
             Self::Rle => size_of::<Rle>(),
+            Self::Deflate => size_of::<DeflateDefault>(),
+            Self::DeflateSmall => size_of::<DeflateSmall>(),
+            Self::DeflateDense => size_of::<DeflateDense>(),
         }
     }
 
@@ -495,6 +566,9 @@ impl flicr_coder {
         match self {
             Self::Store => frame::worst_case_len::<u8, Store>(pixels),
             Self::Rle => frame::worst_case_len::<u8, Rle>(pixels),
+            Self::Deflate => frame::worst_case_len::<u8, DeflateDefault>(pixels),
+            Self::DeflateSmall => frame::worst_case_len::<u8, DeflateSmall>(pixels),
+            Self::DeflateDense => frame::worst_case_len::<u8, DeflateDense>(pixels),
         }
     }
 }
@@ -529,6 +603,31 @@ fn worst_case_len(columns: u32, rows: u32, coder: CoderCode) -> Option<usize> {
     Some(flicr_coder::from_code(coder)?.worst_case_len(pixels))
 }
 
+/// Coders that may start as zeros where they are to stay. One that is made elsewhere and moved there goes through the
+/// stack, which on a device is smaller than the coder.
+///
+/// # Safety
+/// Zeros must be a value of the type, and code as a new one does.
+unsafe trait StartsAsZeros: Coder<u8> {}
+
+// SAFETY: there is no state.
+unsafe impl StartsAsZeros for Store {}
+// SAFETY: there is no state.
+unsafe impl StartsAsZeros for Rle {}
+// SAFETY: numbers only, as the constants below show, and all zero when new, as the type's documentation promises.
+unsafe impl StartsAsZeros for DeflateDefault {}
+// SAFETY: as above.
+unsafe impl StartsAsZeros for DeflateSmall {}
+// SAFETY: as above.
+unsafe impl StartsAsZeros for DeflateDense {}
+
+// SAFETY: a constant that is no value of its type does not compile.
+const _: DeflateDefault = unsafe { core::mem::zeroed() };
+// SAFETY: as above.
+const _: DeflateSmall = unsafe { core::mem::zeroed() };
+// SAFETY: as above.
+const _: DeflateDense = unsafe { core::mem::zeroed() };
+
 /// Codes and writes a frame, with the coder's state at the pointer.
 type Finish = unsafe fn(*mut c_void, &OpenFrame, ImageView<'_, u8>, &mut [u8]) -> Outcome<flicr_encoded>;
 
@@ -547,11 +646,10 @@ unsafe fn finish_with<C: Coder<u8>>(
 
 /// # Safety
 /// `state` is null or may be written for `state_len` bytes.
-unsafe fn place_encoder<C: Coder<u8>>(
+unsafe fn place_encoder<C: StartsAsZeros>(
     state: *mut c_void,
     state_len: usize,
     settings: &flicr_config,
-    coder: impl FnOnce() -> C,
 ) -> Outcome<*mut flicr_encoder> {
     const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN) };
     let layout = Layout::new(size_of::<C>(), pixels(settings.columns, settings.rows)?);
@@ -561,12 +659,11 @@ unsafe fn place_encoder<C: Coder<u8>>(
     if state_len < layout.len {
         return Err(flicr_status::StateTooSmall);
     }
-    // SAFETY: `layout.len` bytes may be written: the head at their start, the coder behind it, each aligned, and the
-    // image, which now has no returns.
+    // SAFETY: `layout.len` bytes may be written, the head at their aligned start. Zeros are a coder that has been
+    // vouched for, and an image without returns.
     unsafe {
         state.write_bytes(0, layout.len);
         encoder.write(head);
-        coder_of(encoder).cast::<C>().write(coder());
     }
     Ok(encoder)
 }

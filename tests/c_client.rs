@@ -14,12 +14,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use flicr::capi::{FLICR_ENCODER_ALIGN, flicr_encoder_size, flicr_version, flicr_worst_case_len};
-use flicr::{Coder, Config, ImageViewMut, Rle, Scale, Stamp};
+use flicr::{Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, ImageViewMut, Rle, Scale, Stamp};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use firmware::{is_skipped, root, run, tool};
 
 const ROWS: usize = 64;
+const STACK_FRAME_MAX: usize = 1536;
 const STRICT: [&str; 7] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O1", "-g"];
 
 /// A C compiler, the target whose library its programs are linked to, and what runs them.
@@ -77,6 +78,10 @@ fn main() -> ExitCode {
         let trial = Trial::test(format!("{target}::header"), move || header_compiles(&format!("{tools}gcc")));
         trials.push(trial.with_ignored_flag(skip));
     }
+    let (target, tools) = BARE[0];
+    let skip = is_skipped(missing(target, &[&format!("{tools}objdump")]));
+    let trial = Trial::test(format!("{target}::stack_frames"), move || stack_frames_are_small(target, tools));
+    trials.push(trial.with_ignored_flag(skip));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -137,8 +142,13 @@ fn bytes_are_rusts(client: Client, scan: Option<PathBuf>) -> Result<(), Failed> 
 }
 
 /// The frames that the example makes.
-fn frames(columns: usize, points: &[[f32; 4]]) -> [(&'static str, Vec<u8>); 1] {
-    [("rle", encode(columns, points, Rle::new()))]
+fn frames(columns: usize, points: &[[f32; 4]]) -> [(&'static str, Vec<u8>); 4] {
+    [
+        ("rle", encode(columns, points, Rle::new())),
+        ("deflate", encode(columns, points, DeflateDefault::new())),
+        ("deflate-small", encode(columns, points, DeflateSmall::new())),
+        ("deflate-dense", encode(columns, points, DeflateDense::new())),
+    ]
 }
 
 fn encode<C: Coder<u8>>(columns: usize, points: &[[f32; 4]], mut coder: C) -> Vec<u8> {
@@ -185,6 +195,26 @@ fn nothing_panics(target: &str, tools: &str) -> Result<(), Failed> {
     }
     let panics: Vec<&str> = ours.into_iter().filter(|line| line.contains("panic")).collect();
     if panics.is_empty() { Ok(()) } else { Err(panics.join("\n").into()) }
+}
+
+/// Nothing is built on the stack that belongs into the caller's memory: coders are larger than a device's stack.
+fn stack_frames_are_small(target: &str, tools: &str) -> Result<(), Failed> {
+    let listing =
+        run(Command::new(format!("{tools}objdump")).args(["-d", "--no-show-raw-insn"]).arg(library(target)?))?;
+    let frames: Vec<usize> = listing.lines().filter_map(stack_taken_by).collect();
+    match frames.iter().max() {
+        None => Err("no function takes any stack: the listing has not been understood".into()),
+        Some(&largest) if largest > STACK_FRAME_MAX => Err(format!("a stack frame of {largest} bytes").into()),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Bytes in `sub sp, #336` or `sub.w sp, sp, #948 @ 0x3b4`.
+fn stack_taken_by(line: &str) -> Option<usize> {
+    let (_, instruction) = line.split_once(":\t")?;
+    let operands = instruction.strip_prefix("sub")?.split_once("sp, ")?.1;
+    let number = operands.trim_start_matches("sp, ").strip_prefix('#')?;
+    number.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
 }
 
 fn header_compiles(compiler: &str) -> Result<(), Failed> {

@@ -11,14 +11,16 @@ use std::ptr::{null, null_mut};
 
 use flicr::capi::{flicr_status as Status, *};
 use flicr::{
-    Coder, Collision, Config, ImageViewMut, OutOfView, Placement, Policy, Rle, Scale, Stamp, Store, UniformView,
+    Coder, Collision, Config, DeflateDefault, DeflateDense, DeflateSmall, ImageViewMut, OutOfView, Placement, Policy,
+    Rle, Scale, Stamp, Store, UniformView,
 };
 
 const COLUMNS: u32 = 256;
 const ROWS: u32 = 64;
 const RLE: u32 = flicr_coder::Rle as u32;
 const STAMP: flicr_stamp = flicr_stamp { timestamp_ns: 77, sequence: 9 };
-const CODERS: [flicr_coder; 2] = [flicr_coder::Store, flicr_coder::Rle];
+const CODERS: [flicr_coder; 5] =
+    [flicr_coder::Store, flicr_coder::Rle, flicr_coder::Deflate, flicr_coder::DeflateSmall, flicr_coder::DeflateDense];
 const WIDTHS: [u32; 6] = [4500, 4096, 2048, 1024, 512, 256];
 
 /// What stays in an out-parameter that is not written.
@@ -78,6 +80,9 @@ impl Memory {
         let init = match coder {
             flicr_coder::Store => flicr_encoder_init_store,
             flicr_coder::Rle => flicr_encoder_init_rle,
+            flicr_coder::Deflate => flicr_encoder_init_deflate,
+            flicr_coder::DeflateSmall => flicr_encoder_init_deflate_small,
+            flicr_coder::DeflateDense => flicr_encoder_init_deflate_dense,
         };
         let len = size_of_val(self.0.as_slice());
         let mut encoder = null_mut();
@@ -153,6 +158,9 @@ fn encode_with(coder: flicr_coder, config: &Config, columns: u32, points: &[[f32
     match coder {
         flicr_coder::Store => encode_in_rust(config, columns, points, Store::new()),
         flicr_coder::Rle => encode_in_rust(config, columns, points, Rle::new()),
+        flicr_coder::Deflate => encode_in_rust(config, columns, points, DeflateDefault::new()),
+        flicr_coder::DeflateSmall => encode_in_rust(config, columns, points, DeflateSmall::new()),
+        flicr_coder::DeflateDense => encode_in_rust(config, columns, points, DeflateDense::new()),
     }
 }
 

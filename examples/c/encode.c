@@ -40,10 +40,17 @@ typedef struct {
 static const frame_kind KINDS[] = {
     {4500, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
     {256, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
+    {4500, FLICR_CODER_DEFLATE, flicr_encoder_init_deflate, "deflate"},
+    {256, FLICR_CODER_DEFLATE, flicr_encoder_init_deflate, "deflate"},
+    {4500, FLICR_CODER_DEFLATE_SMALL, flicr_encoder_init_deflate_small, "deflate-small"},
+    {256, FLICR_CODER_DEFLATE_SMALL, flicr_encoder_init_deflate_small, "deflate-small"},
+    {4500, FLICR_CODER_DEFLATE_DENSE, flicr_encoder_init_deflate_dense, "deflate-dense"},
+    {256, FLICR_CODER_DEFLATE_DENSE, flicr_encoder_init_deflate_dense, "deflate-dense"},
 };
 
-/* All memory that flicr needs: sized at compile time, for the largest of the frames above. */
-static uint64_t encoder_memory[FLICR_ENCODER_WORDS(COLUMNS_MAX, ROWS, FLICR_CODER_RLE)];
+/* All memory that flicr needs: sized at compile time, for the coder with the largest state and the one whose frames can
+ * get longest. */
+static uint64_t encoder_memory[FLICR_ENCODER_WORDS(COLUMNS_MAX, ROWS, FLICR_CODER_DEFLATE_DENSE)];
 static uint8_t frame[FLICR_WORST_CASE_LEN(COLUMNS_MAX, ROWS, FLICR_CODER_RLE)];
 static uint8_t frame_in_pieces[sizeof frame];
 

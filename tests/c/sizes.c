@@ -15,7 +15,8 @@ static void print_sizes(unsigned columns, unsigned rows, flicr_coder coder) {
 
 int main(void) {
   static const unsigned COLUMNS[] = {4500, 4096, 2048, 1024, 512, 256, 1, 3, 127, 129, 65535};
-  static const flicr_coder CODERS[] = {FLICR_CODER_STORE, FLICR_CODER_RLE};
+  static const flicr_coder CODERS[] = {FLICR_CODER_STORE, FLICR_CODER_RLE, FLICR_CODER_DEFLATE,
+                                       FLICR_CODER_DEFLATE_SMALL, FLICR_CODER_DEFLATE_DENSE};
   for (unsigned i = 0; i < sizeof COLUMNS / sizeof COLUMNS[0]; i++)
     for (unsigned j = 0; j < sizeof CODERS / sizeof CODERS[0]; j++) {
       print_sizes(COLUMNS[i], 64, CODERS[j]);
