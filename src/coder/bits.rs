@@ -111,6 +111,7 @@ impl<'a> BitWriter<'a> {
     ///
     /// # Errors
     /// [`OutputFull`] if the buffer cannot take them.
+    #[inline(never)]
     pub fn put(&mut self, value: u32, count: u32) -> Result<(), OutputFull> {
         self.burst(|burst| burst.put(value, count))
     }

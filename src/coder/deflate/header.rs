@@ -1,5 +1,8 @@
 //! The head of a dynamic block: the code lengths, run-length coded (RFC 1951 section 3.2.7).
 
+use core::iter::{Chain, Peekable};
+use core::slice::Iter;
+
 use super::huffman::{self, Code};
 use super::symbols::{DISTANCES, LITERALS};
 use crate::coder::OutputFull;
@@ -23,7 +26,12 @@ const MAX_BITS: usize = 7;
 pub(super) struct CodeLengths<'a> {
     literals: &'a [u8],
     distances: &'a [u8],
-    at: usize,
+    /// The lengths behind the present run.
+    rest: Peekable<Chain<Iter<'a, u8>, Iter<'a, u8>>>,
+    /// The length that comes next, how often in a row, and whether it came before.
+    len: u8,
+    run: usize,
+    repeats: bool,
 }
 
 /// A symbol of the code length alphabet with its extra bits.
@@ -35,17 +43,18 @@ pub(super) struct Item {
 
 impl<'a> CodeLengths<'a> {
     pub fn new(literals: &'a [u8; LITERALS], distances: &'a [u8; DISTANCES]) -> Self {
-        Self { literals: trim(literals, 257), distances: trim(distances, 1), at: 0 }
+        let (literals, distances) = (trim(literals, 257), trim(distances, 1));
+        let rest = literals.iter().chain(distances).peekable();
+        Self { literals, distances, rest, len: 0, run: 0, repeats: false }
     }
 
-    /// The length at a place of the two lists put end to end.
-    fn get(&self, i: usize) -> Option<u8> {
-        self.literals.iter().chain(self.distances).nth(i).copied()
-    }
-
-    /// How many times in a row the length at the present place occurs, up to `max`.
-    fn run(&self, len: u8, max: usize) -> usize {
-        (1..max).take_while(|&k| self.get(self.at + k) == Some(len)).count() + 1
+    /// Goes on to the next run of equal lengths.
+    fn next_run(&mut self) -> Option<()> {
+        (self.len, self.run, self.repeats) = (*self.rest.next()?, 1, false);
+        while self.rest.next_if_eq(&&self.len).is_some() {
+            self.run += 1;
+        }
+        Some(())
     }
 }
 
@@ -59,17 +68,19 @@ impl Iterator for CodeLengths<'_> {
     type Item = Item;
 
     fn next(&mut self) -> Option<Item> {
-        let len = self.get(self.at)?;
-        let repeats = len > 0 && self.at > 0 && self.get(self.at - 1) == Some(len);
-        let run = self.run(len, if len == 0 { 138 } else { 6 });
-        let (symbol, extra_bits, base) = match run {
-            11.. if len == 0 => (MANY_ZEROS, 7, 11),
-            3.. if len == 0 => (ZEROS, 3, 3),
-            3.. if repeats => (REPEAT, 2, 3),
-            _ => (len, 0, 0),
+        if self.run == 0 {
+            self.next_run()?;
+        }
+        let (symbol, extra_bits, least, most) = match (self.len, self.run) {
+            (0, 11..) => (MANY_ZEROS, 7, 11, 138),
+            (0, 3..) => (ZEROS, 3, 3, 10),
+            (1.., 3..) if self.repeats => (REPEAT, 2, 3, 6),
+            (len, _) => (len, 0, 1, 1),
         };
-        self.at += if base > 0 { run } else { 1 };
-        Some(Item { symbol, extra_bits, extra: if base > 0 { (run - base) as u32 } else { 0 } })
+        let taken = self.run.min(most);
+        self.run -= taken;
+        self.repeats = true;
+        Some(Item { symbol, extra_bits, extra: taken.saturating_sub(least) as u32 })
     }
 }
 

@@ -36,31 +36,41 @@ pub(super) fn lengths(counts: &[u32], limit: usize, nodes: &mut [u32], lens: &mu
     spread(nodes, &depths, lens);
 }
 
-/// Collects the symbols that occur.
+/// Collects the symbols that occur, those with the fewer bits in their counts first.
 fn gather(counts: &[u32], nodes: &mut [u32]) -> usize {
-    let mut used = 0;
-    for (symbol, &count) in counts.iter().enumerate() {
-        if count > 0 {
-            put(nodes, used, (count << SYMBOL_BITS) | symbol as u32);
-            used += 1;
-        }
+    let mut places = [0; 32];
+    for &count in counts {
+        add(&mut places, bit_len(count), 1);
     }
-    used
+    let mut used = 0;
+    for place in places.iter_mut().skip(1) {
+        let first = used;
+        used += *place;
+        *place = first;
+    }
+    for (symbol, &count) in counts.iter().enumerate().filter(|&(_, &count)| count > 0) {
+        put(nodes, at(&places, bit_len(count)) as usize, (count << SYMBOL_BITS) | symbol as u32);
+        add(&mut places, bit_len(count), 1);
+    }
+    used as usize
 }
 
-/// Shell sort: small, in place, and quick enough for 286 nodes.
+/// Bits of a number: 0 of 0, 1 of 1, 2 of 2 and 3.
+const fn bit_len(x: u32) -> usize {
+    32 - x.leading_zeros() as usize
+}
+
+/// Insertion sort: [`gather`] leaves little to move.
 fn sort(nodes: &mut [u32]) {
-    for gap in [57, 23, 10, 4, 1] {
-        for i in gap..nodes.len() {
-            let node = at(nodes, i);
-            let mut j = i;
-            while j >= gap && at(nodes, j - gap) > node {
-                let greater = at(nodes, j - gap);
-                put(nodes, j, greater);
-                j -= gap;
-            }
-            put(nodes, j, node);
+    for i in 1..nodes.len() {
+        let node = at(nodes, i);
+        let mut j = i;
+        while j > 0 && at(nodes, j - 1) > node {
+            let greater = at(nodes, j - 1);
+            put(nodes, j, greater);
+            j -= 1;
         }
+        put(nodes, j, node);
     }
 }
 
@@ -211,7 +221,7 @@ fn put(a: &mut [u32], i: usize, value: u32) {
 
 /// `a[i] += by`.
 #[inline(always)]
-fn add(a: &mut Depths, i: usize, by: i32) {
+fn add(a: &mut [u32], i: usize, by: i32) {
     if let Some(slot) = a.get_mut(i) {
         *slot = slot.wrapping_add_signed(by);
     }

@@ -185,7 +185,7 @@ fn load(bytes: &[u8], at: usize) -> Option<u32> {
 const WORD: usize = size_of::<usize>();
 
 /// How far the bytes at `at` equal those `distance` back, up to [`MAX_MATCH`].
-#[inline(always)]
+#[inline(never)]
 fn equal_len(bytes: &[u8], at: usize, distance: usize) -> usize {
     let (here, there) = (bytes.get(at..), bytes.get(at.wrapping_sub(distance)..));
     let (here, there) = (here.unwrap_or_default(), there.unwrap_or_default());

@@ -118,7 +118,7 @@ impl<'a, const SHORT: usize, const LONG: usize, const WAYS: usize, const SEQUENC
         if placed.found.len < DOUBTFUL_LEN && self.too_dear(placed) { None } else { Some(placed) }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn grow(&self, at: usize, found: Match) -> Placed {
         let (mut start, Match { mut len, distance }) = (at, found);
         while start > self.settled && start > distance && len < MAX_MATCH {
@@ -141,6 +141,9 @@ impl<'a, const SHORT: usize, const LONG: usize, const WAYS: usize, const SEQUENC
     #[inline(always)]
     fn enter_until(&mut self, from: usize, to: usize) {
         for (word_at, word) in words(self.bytes, from) {
+            if word_at >= to {
+                return;
+            }
             for byte in returns(word) {
                 let at = word_at + byte;
                 let key = self.bytes.get(at..).and_then(<[u8]>::first_chunk);
