@@ -296,7 +296,7 @@ fn next_strip<'a>(
         return Err(DecodeError::StripOrder { found: first_column.into(), expected: *next_column });
     }
     *next_column += u32::from(columns);
-    let fits = if last { *next_column == columns_in_all.into() } else { *next_column < columns_in_all.into() };
+    let fits = if last { *next_column == u32::from(columns_in_all) } else { *next_column < u32::from(columns_in_all) };
     expect(HeaderField::StripColumns, columns, |columns| columns > 0 && fits)?;
     let payload = fields.take(payload_len as usize)?;
     let behind = fields.bytes.len() - fields.at;
