@@ -93,8 +93,6 @@ pub enum PacketError {
     Duplicate,
     /// The packet is older than the last one used.
     Late,
-    /// Packets of this family need the sensor's metadata, which this assembler was not given.
-    NeedsMetadata,
 }
 
 impl fmt::Display for PacketError {
@@ -130,7 +128,6 @@ impl fmt::Display for PacketError {
             }
             Self::Duplicate => f.write_str("packet received twice"),
             Self::Late => f.write_str("packet older than the last one used"),
-            Self::NeedsMetadata => f.write_str("packet needs the sensor's metadata"),
         }
     }
 }
@@ -206,7 +203,7 @@ impl PacketStats {
     pub(super) fn count_refused(&mut self, error: PacketError) {
         let counter = match error {
             PacketError::Length { .. } => &mut self.wrong_length,
-            PacketError::Model { .. } | PacketError::NeedsMetadata => &mut self.wrong_model,
+            PacketError::Model { .. } => &mut self.wrong_model,
             PacketError::Azimuth { .. } => &mut self.wrong_azimuth,
             PacketError::Discontinuity { .. } => &mut self.discontinuous,
             PacketError::Duplicate => &mut self.duplicate,
