@@ -17,6 +17,7 @@ pub mod geometry;
 mod image;
 mod insert;
 mod kernel;
+pub mod packet;
 mod point;
 mod quantize;
 mod tally;

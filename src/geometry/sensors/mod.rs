@@ -1,27 +1,118 @@
 //! The sensors that flicr knows from the start.
+//!
+//! A packet gives a column's azimuth tick and each beam's range count; these tables say where that
+//! is. The angles and firing times stand once, as integers, in [`crate::packet::Model::facts`];
+//! here they become meters and radians, at compile time.
 
 pub mod hdl64e;
+pub mod hesai;
+mod math;
+#[cfg(feature = "cli")]
+pub mod ouster;
+pub mod robosense;
+pub mod velodyne;
+
+use crate::packet::ModelFacts;
+use core::f64::consts::PI;
 
 /// One laser of a spinning sensor: how its lattice of (tick, range count) lies in space.
 ///
-/// With tick `t`, range `d = count * unit + range_phase_m`, elevation `v = atan(slope)`, `vo = z_offset_m * cos(v)` and
-/// `h = h_offset_m`:
+/// With range `d = count * unit + range_phase_m`, elevation `v = atan(slope)`,
+/// `vo = z_offset_m * cos(v)`, `h = h_offset_m` and `theta` the angle of [`Spin::theta_rad`]:
 ///
 /// ```text
-/// theta = t * 2 pi / ticks + azimuth_phase_rad    a = d cos v - vo sin v
-/// x = a cos theta + h sin theta                   y = a sin theta - h cos theta
-/// z = d sin v + vo cos v
+/// a = d cos v - vo sin v       x = a cos theta + h sin theta
+/// z = d sin v + vo cos v       y = a sin theta - h cos theta
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     /// Tangent of the elevation.
     pub slope: f32,
-    /// Height over the sensor's origin at which the beam, prolonged, crosses the spin axis, in meters.
+    /// Height at which the beam, prolonged, crosses the spin axis, in meters.
     pub z_offset_m: f32,
     /// Sideways distance of the beam from the spin axis, in meters; positive to the right.
     pub h_offset_m: f32,
-    /// Azimuth of tick 0, in radians, counterclockwise seen from above.
+    /// What the beam adds to the column's angle, in radians, counterclockwise seen from above.
     pub azimuth_phase_rad: f32,
-    /// Range of count 0, in meters.
+    /// What the beam adds to the range, in meters.
     pub range_phase_m: f32,
+}
+
+/// How a sensor's ticks lie in the x-y plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// Ticks a turn.
+    pub ticks_per_turn: u32,
+    /// Whether ticks grow clockwise, seen from above.
+    pub clockwise: bool,
+    /// Angle of tick 0 from the x axis, in radians, counterclockwise.
+    pub zero_rad: f32,
+    /// One range count, in meters.
+    pub range_unit_m: f32,
+    /// Time from column to column, in nanoseconds.
+    pub period_ns: u32,
+}
+
+/// A sensor with its beams in row order: row 0 is the highest.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorGeometry {
+    /// As printed on the sensor.
+    pub name: &'static str,
+    /// The frame.
+    pub spin: Spin,
+    /// The beams.
+    pub beams: &'static [Beam],
+    /// When each beam fires, in nanoseconds from the column's time, in row order.
+    pub fire_ns: &'static [i32],
+}
+
+impl Spin {
+    /// Angle, in radians counterclockwise from the x axis, at which a beam fires.
+    ///
+    /// `step_q8` is the column's ([`Column::step_q8`](crate::packet::Column::step_q8)); `fire_ns`
+    /// the beam's. A beam that fires later looks further: the phase grows with the rotation rate.
+    #[must_use]
+    pub fn theta_rad(&self, tick: u16, step_q8: u32, fire_ns: i32, beam: &Beam) -> f64 {
+        let late = f64::from(step_q8) / 256.0 * f64::from(fire_ns) / f64::from(self.period_ns);
+        let turned = (f64::from(tick) + late) * 2.0 * PI / f64::from(self.ticks_per_turn);
+        let turned = if self.clockwise { -turned } else { turned };
+        f64::from(self.zero_rad) + turned + f64::from(beam.azimuth_phase_rad)
+    }
+
+    /// A column's angle: the spin of all Velodyne and Hesai sensors.
+    const fn of(facts: &ModelFacts, zero_rad: f32) -> Self {
+        Self {
+            ticks_per_turn: facts.ticks_per_turn as u32,
+            clockwise: true,
+            zero_rad,
+            range_unit_m: facts.range_unit_um as f32 * 1e-6,
+            period_ns: facts.period_ns,
+        }
+    }
+}
+
+/// Row-order beams of a model whose lasers all leave the axis at one point.
+const fn beams<const N: usize>(facts: &ModelFacts) -> [Beam; N] {
+    let mut beams =
+        [Beam { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 }; N];
+    let mut channel = 0;
+    while channel < N {
+        let beam = &mut beams[facts.beam_of_channel[channel] as usize];
+        beam.slope = math::tan_mdeg(facts.elevation_mdeg[channel]) as f32;
+        // The model's offsets are clockwise.
+        beam.azimuth_phase_rad = -math::rad_of_mdeg(facts.azimuth_mdeg[channel]) as f32;
+        channel += 1;
+    }
+    beams
+}
+
+/// Row-order firing times of a model.
+const fn fire_ns<const N: usize>(facts: &ModelFacts) -> [i32; N] {
+    let mut fire = [0; N];
+    let mut channel = 0;
+    while channel < N {
+        fire[facts.beam_of_channel[channel] as usize] = facts.fire_ns[channel];
+        channel += 1;
+    }
+    fire
 }
