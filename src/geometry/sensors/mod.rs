@@ -12,7 +12,7 @@ pub mod hdl64e;
 /// x = a cos theta + h sin theta                   y = a sin theta - h cos theta
 /// z = d sin v + vo cos v
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beam {
     /// Tangent of the elevation.
     pub slope: f32,
