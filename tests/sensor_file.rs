@@ -22,7 +22,7 @@ fn any_f32(state: &mut u64, limit: f32) -> f32 {
 }
 
 fn any_sensor(state: &mut u64) -> Sensor {
-    let beams = (0..1 + bits(state) % 130).map(|_| Beam {
+    let beams = (0..=bits(state) % 130).map(|_| Beam {
         slope: any_f32(state, 60.0),
         z_offset_m: any_f32(state, 10.0),
         h_offset_m: any_f32(state, 10.0),

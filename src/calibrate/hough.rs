@@ -91,18 +91,15 @@ pub(super) fn find_lines(samples: &[Sample], nearest_m: f64, mut progress: impl 
         if (count as usize) < FEWEST_VOTES {
             break;
         }
-        match sharp_line(&left, start) {
-            Some((line, near_m)) => {
-                misses = 0;
-                take_back(&mut votes, &mut left, line, near_m);
-                lines.push(line);
-                progress(1.0 - left.len() as f32 / all);
-            }
-            None => {
-                misses += 1;
-                votes.clear(start);
-            }
-        }
+        let Some((line, near_m)) = sharp_line(&left, start) else {
+            misses += 1;
+            votes.clear(start);
+            continue;
+        };
+        misses = 0;
+        take_back(&mut votes, &mut left, line, near_m);
+        lines.push(line);
+        progress(1.0 - left.len() as f32 / all);
     }
     lines
 }
