@@ -1,7 +1,7 @@
 //! A spinning sensor's own grid: its beams, its encoder, its range counter.
 //!
-//! A [`Sensor`] says where every return can lie; [`Sensor::locate`] finds a
-//! point's cell on that grid, [`Sensor::position`] is its inverse. Both work in
+//! A [`Sensor`] says where every return can lie; [`Grid::locate`] finds a
+//! point's cell on that grid, [`Grid::position`] is its inverse. Both work in
 //! `f64`: they are the desk's exact reference, not the device's hot path.
 //! [`Sensor::to_toml`] and [`Sensor::from_toml`] are the file form that
 //! [`calibrate`](mod@crate::calibrate) writes.
