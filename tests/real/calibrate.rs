@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use flicr::calibrate::{CalibrateError, Calibration, Residuals, Scan, calibrate};
 use flicr::sensor::Sensor;
 
-use crate::data;
+use crate::common::data;
 
 /// Records of x, y, z, intensity and ring.
 fn with_rings(name: &str) -> (Vec<[f32; 3]>, Vec<u16>) {
