@@ -23,11 +23,15 @@ mod quantize;
 mod tally;
 
 #[cfg(feature = "std")]
+pub mod calibrate;
+#[cfg(feature = "std")]
 mod decoder;
 #[cfg(feature = "std")]
 pub mod files;
 #[cfg(feature = "std")]
 pub mod metrics;
+#[cfg(feature = "std")]
+pub mod sensor;
 #[cfg(feature = "std")]
 pub mod simulate;
 

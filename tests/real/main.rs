@@ -2,6 +2,7 @@
 //! line says so and every one of these is counted as ignored, not as passed.
 #![allow(missing_docs)]
 
+mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
 mod files;
@@ -15,6 +16,14 @@ use std::process::ExitCode;
 use libtest_mimic::{Arguments, Trial, run};
 
 const TESTS: &[(&str, fn())] = &[
+    ("calibrate::any_eight_kitti_scans_give_the_table", calibrate::any_eight_kitti_scans_give_the_table),
+    ("calibrate::eight_kitti_scans_in_a_row_give_the_table", calibrate::eight_kitti_scans_in_a_row_give_the_table),
+    ("calibrate::helios_16p", calibrate::helios_16p),
+    ("calibrate::vlp_16", calibrate::vlp_16),
+    ("calibrate::vlp_32c", calibrate::vlp_32c),
+    ("calibrate::ouster_os0_32", calibrate::ouster_os0_32),
+    ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
+    ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),

@@ -24,7 +24,7 @@ use core::f64::consts::PI;
 /// a = d cos v - vo sin v       x = a cos theta + h sin theta
 /// z = d sin v + vo cos v       y = a sin theta - h cos theta
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beam {
     /// Tangent of the elevation.
     pub slope: f32,

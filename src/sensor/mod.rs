@@ -1,0 +1,31 @@
+//! A spinning sensor's own grid: its beams, its encoder, its range counter.
+//!
+//! A [`Sensor`] says where every return can lie; [`Grid::locate`] finds a
+//! point's cell on that grid, [`Grid::position`] is its inverse. Both work in
+//! `f64`: they are the desk's exact reference, not the device's hot path.
+//! [`Sensor::to_toml`] and [`Sensor::from_toml`] are the file form that
+//! [`calibrate`](mod@crate::calibrate) writes.
+
+use std::string::String;
+use std::vec::Vec;
+
+mod file;
+mod grid;
+
+pub use file::SensorFileError;
+pub use grid::{Cell, Grid, Miss};
+
+pub use crate::geometry::sensors::Beam;
+
+/// A sensor's grid: every return lies on (beam, encoder tick, range count).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sensor {
+    /// What the sensor is called; any text, may be empty.
+    pub name: String,
+    /// Beams from the highest slope (beam 0, the top row) to the lowest.
+    pub beams: Vec<Beam>,
+    /// Encoder ticks a turn.
+    pub ticks_per_turn: u32,
+    /// Length of one range count, metres.
+    pub range_unit_m: f32,
+}
