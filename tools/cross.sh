@@ -91,11 +91,11 @@ run_debian() {
     # rustup's proxies and an outer cargo leave these behind; each would lead back to the other toolchain.
     unset RUSTUP_TOOLCHAIN CARGO RUSTC RUSTDOC RUSTC_WRAPPER
     export PATH="$distro:$PATH"
-    # Allows -Z below on a stable compiler. The project's own code uses nothing unstable.
-    export RUSTC_BOOTSTRAP=1
+    # Cargo's -Z build-std, in a form that reaches cargo clippy too; allowed on a stable compiler by the first of them.
+    # The project's own code uses nothing unstable.
+    export RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=$crates
     cd "$root"
-    exec "$distro/cargo" -Z "build-std=$crates" \
-        --config 'target.aarch64-unknown-none.rustflags=["-Clinker-flavor=ld"]' "$@"
+    exec "$distro/cargo" "$@"
 }
 
 case ${1:-} in
