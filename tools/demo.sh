@@ -4,7 +4,7 @@
 #
 # FLICR_SCAN=path/to/kitti.bin   this scan in place of a simulated one
 # FLICR_MAX_RANGE_M=120          range of the largest level, meters (default 80)
-# FLICR_CODER=store              this coder (default rle)
+# FLICR_CODER=rle                this coder (default deflate)
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -13,7 +13,7 @@ scan=${FLICR_SCAN:+$(realpath "$FLICR_SCAN")}
 cd "$here/.."
 
 target=thumbv7em-none-eabihf
-coder=${FLICR_CODER:-rle}
+coder=${FLICR_CODER:-deflate}
 max_range_m=${FLICR_MAX_RANGE_M:-80}
 sizes=(4500 256)
 build_dir=${CARGO_TARGET_DIR:-$PWD/target}

@@ -20,6 +20,9 @@ mkdir -p "$scratch"
 
 # Kinds of encoder: COLUMNS:CODER, most bytes of flash, of RAM and of stack.
 kinds=(
+    "4500:deflate 32768 352256 4096"
+    "4500:deflate-small 32768 352256 4096"
+    "256:deflate-small 32768 49152 4096"
     "4500:rle 32768 352256 4096"
     "256:rle 32768 49152 4096"
 )
@@ -60,7 +63,7 @@ within() {
 
 empty=$(flash_bytes "$("$here/footprint.sh" none)")
 costs=$(cost_lines "$(simulated_scan)")
-row='%-14s %8s %8s %12s %7s %14s %14s\n'
+row='%-18s %8s %8s %12s %7s %14s %14s\n'
 # shellcheck disable=SC2059 # the format is a constant
 printf "$row" encoder flash RAM "worst frame" stack "instr./point" "instr./pixel"
 for kind in "${kinds[@]}"; do

@@ -28,7 +28,7 @@ impl fmt::Display for Usage {
             Self::NotText => f.write_str("an argument is not UTF-8"),
             Self::Columns => f.write_str("COLUMNS is no number"),
             Self::TooManyColumns => write!(f, "COLUMNS must be 1 to {}", super::COLUMNS_MAX),
-            Self::Coder => f.write_str("CODER must be store or rle"),
+            Self::Coder => f.write_str("CODER must be store, rle, deflate, deflate-small or deflate-dense"),
             Self::MaxRange => f.write_str("MAX_RANGE_M is no number"),
             Self::PathTooLong => f.write_str("a path is too long"),
         }
@@ -39,6 +39,9 @@ impl fmt::Display for Usage {
 pub enum CoderName {
     Store,
     Rle,
+    Deflate,
+    DeflateSmall,
+    DeflateDense,
 }
 
 impl FromStr for CoderName {
@@ -48,6 +51,9 @@ impl FromStr for CoderName {
         match name {
             "store" => Ok(Self::Store),
             "rle" => Ok(Self::Rle),
+            "deflate" => Ok(Self::Deflate),
+            "deflate-small" => Ok(Self::DeflateSmall),
+            "deflate-dense" => Ok(Self::DeflateDense),
             _ => Err(Usage::Coder),
         }
     }
@@ -58,6 +64,9 @@ impl fmt::Display for CoderName {
         f.write_str(match self {
             Self::Store => "store",
             Self::Rle => "rle",
+            Self::Deflate => "deflate",
+            Self::DeflateSmall => "deflate-small",
+            Self::DeflateDense => "deflate-dense",
         })
     }
 }

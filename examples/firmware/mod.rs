@@ -11,7 +11,10 @@ mod stage;
 
 use core::fmt;
 
-use flicr::{Coder, Config, EncodeError, Encoded, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store, frame};
+use flicr::{
+    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, EncodeError, Encoded, FrameEncoder, ImageViewMut, Rle,
+    Scale, Stamp, Store, frame,
+};
 
 use host::{PIECE_LEN, Scan, print_line, write_frame};
 use job::{CoderName, Job, Usage};
@@ -21,14 +24,27 @@ pub use stage::{Board, Clock};
 const ROWS: usize = 64;
 const COLUMNS_MAX: usize = 4500;
 const PIXELS_MAX: usize = ROWS * COLUMNS_MAX;
-const FRAME_LEN_MAX: usize = max(worst_case_len::<Store>(), worst_case_len::<Rle>());
+const FRAME_LEN_MAX: usize = max([
+    worst_case_len::<Store>(),
+    worst_case_len::<Rle>(),
+    worst_case_len::<DeflateDefault>(),
+    worst_case_len::<DeflateSmall>(),
+    worst_case_len::<DeflateDense>(),
+]);
 
 const fn worst_case_len<C: Coder<u8>>() -> usize {
     frame::worst_case_len::<u8, C>(PIXELS_MAX)
 }
 
-const fn max(a: usize, b: usize) -> usize {
-    if a > b { a } else { b }
+const fn max(lengths: [usize; 5]) -> usize {
+    let (mut longest, mut at) = (0, 0);
+    while at < lengths.len() {
+        if lengths[at] > longest {
+            longest = lengths[at];
+        }
+        at += 1;
+    }
+    longest
 }
 
 /// All the memory that encoding takes, for the largest frame: to be kept in a `static`. A device that knows its frame
@@ -40,6 +56,9 @@ pub struct Memory {
     piece: [u8; PIECE_LEN],
     store: Store,
     rle: Rle,
+    deflate: DeflateDefault,
+    deflate_small: DeflateSmall,
+    deflate_dense: DeflateDense,
 }
 
 impl Memory {
@@ -51,6 +70,9 @@ impl Memory {
             piece: [0; PIECE_LEN],
             store: Store::new(),
             rle: Rle::new(),
+            deflate: DeflateDefault::new(),
+            deflate_small: DeflateSmall::new(),
+            deflate_dense: DeflateDense::new(),
         }
     }
 }
@@ -105,7 +127,7 @@ pub fn main<B: Board>(board: &mut B, memory: &mut Memory) -> i32 {
 }
 
 fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault> {
-    let Memory { levels, frame, piece, store, rle } = memory;
+    let Memory { levels, frame, piece, store, rle, deflate, deflate_small, deflate_dense } = memory;
     let arguments = job::arguments()?;
     for job in arguments.jobs()? {
         let job = job?;
@@ -115,6 +137,9 @@ fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault>
         match job.coder {
             CoderName::Store => encode_one(board, &job, scan, image, store, frame)?,
             CoderName::Rle => encode_one(board, &job, scan, image, rle, frame)?,
+            CoderName::Deflate => encode_one(board, &job, scan, image, deflate, frame)?,
+            CoderName::DeflateSmall => encode_one(board, &job, scan, image, deflate_small, frame)?,
+            CoderName::DeflateDense => encode_one(board, &job, scan, image, deflate_dense, frame)?,
         }
     }
     Ok(())

@@ -23,6 +23,22 @@ mod firmware {
             pub const COLUMNS: usize = 256;
         }
 
+        #[cfg(footprint = "4500:deflate")]
+        mod kind {
+            pub type Coder = flicr::DeflateDefault;
+            pub const COLUMNS: usize = 4500;
+        }
+        #[cfg(footprint = "256:deflate-small")]
+        mod kind {
+            pub type Coder = flicr::DeflateSmall;
+            pub const COLUMNS: usize = 256;
+        }
+        #[cfg(footprint = "4500:deflate-small")]
+        mod kind {
+            pub type Coder = flicr::DeflateSmall;
+            pub const COLUMNS: usize = 4500;
+        }
+
         use kind::{COLUMNS, Coder};
 
         type FrameEncoder = Encoder<64, COLUMNS, u8, Coder>;

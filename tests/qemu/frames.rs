@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use flicr::{Coder, Config, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store, frame};
+use flicr::{
+    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store,
+    frame,
+};
 
 const ROWS: usize = 64;
 
@@ -13,18 +16,28 @@ pub struct Frame {
     pub max_range_m: f32,
 }
 
-/// The paper's sizes with every coder.
-pub const FRAMES: [Frame; 9] = [
+/// The paper's sizes with both of its coders, and each other coder at the largest and the smallest.
+pub const FRAMES: [Frame; 19] = [
     frame(4500, "rle"),
     frame(4096, "rle"),
     frame(2048, "rle"),
     frame(1024, "rle"),
     frame(512, "rle"),
     frame(256, "rle"),
+    frame(4500, "deflate"),
+    frame(4096, "deflate"),
+    frame(2048, "deflate"),
+    frame(1024, "deflate"),
+    frame(512, "deflate"),
+    frame(256, "deflate"),
+    frame(4500, "deflate-small"),
+    frame(256, "deflate-small"),
+    frame(4500, "deflate-dense"),
+    frame(256, "deflate-dense"),
     frame(4500, "store"),
     frame(256, "store"),
     // The firmware uses its memory again: nothing of the frames before may be left in it.
-    Frame { columns: 1000, coder: "rle", max_range_m: 50.0 },
+    Frame { columns: 1000, coder: "deflate", max_range_m: 50.0 },
 ];
 
 const fn frame(columns: usize, coder: &'static str) -> Frame {
@@ -43,6 +56,9 @@ impl Frame {
         match self.coder {
             "store" => self.encode_with(Store::new(), points),
             "rle" => self.encode_with(Rle::new(), points),
+            "deflate" => self.encode_with(DeflateDefault::new(), points),
+            "deflate-small" => self.encode_with(DeflateSmall::new(), points),
+            "deflate-dense" => self.encode_with(DeflateDense::new(), points),
             other => unreachable!("no coder {other}"),
         }
     }
