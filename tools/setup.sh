@@ -86,6 +86,24 @@ install_debian_rust() {
     apt_install rustc-web cargo-web rust-web-src rust-web-clippy binutils-arm-none-eabi binutils-aarch64-linux-gnu
 }
 
+missing_lint_tools() {
+    cargo fmt --version >/dev/null 2>&1 || echo rustfmt
+    cargo clippy --version >/dev/null 2>&1 || echo clippy
+}
+
+install_lint_tools() {
+    local missing
+    mapfile -t missing < <(missing_lint_tools)
+    [[ ${#missing[@]} == 0 ]] && return
+    if have rustup; then
+        say "rustup component add ${missing[*]}"
+        timeout "${FLICR_RUSTUP_TIMEOUT:-120}" rustup component add "${missing[@]}" </dev/null >/dev/null 2>&1 ||
+            fail "rustup cannot add ${missing[*]}"
+    else
+        apt_install rustfmt-web rust-web-clippy
+    fi
+}
+
 install_targets() {
     local missing
     mapfile -t missing < <(missing_targets)
@@ -97,7 +115,7 @@ install_targets() {
 
 check() {
     local missing
-    missing=$(missing_tools; missing_targets | sed 's/^/rust target: /')
+    missing=$(missing_tools; missing_targets | sed 's/^/rust target: /'; missing_lint_tools)
     [[ -z $missing ]] || fail "missing (run tools/setup.sh):"$'\n'"$missing"
 }
 
@@ -106,4 +124,5 @@ have cargo || have apt-get || fail "no cargo: install Rust from https://rustup.r
 install_tools
 install_targets
 have cargo || fail "Debian's compiler is installed, but no cargo is on PATH"
+install_lint_tools
 say "all there"
