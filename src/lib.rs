@@ -1,10 +1,48 @@
-//! flicr: a LiDAR codec for the device that the sensor hangs on.
+//! A LiDAR codec for the device that the sensor hangs on: returns of a spinning LiDAR to a range image to a few
+//! kilobytes, without an allocator, and back to points with a known error.
+//!
+//! # The way of the data
+//!
+//! Each stage knows only those before it; a file holds one stage, forward and inverse side by side.
+//!
+//! ```text
+//! points ──> point ──> geometry, kernel ──> insert ──> image ──> coder ────────> frame ──> bytes
+//!            blocks    pixel and level      collisions levels    store, rle,     header,
+//!            of lanes  of each point        and tally  0 = none  deflate         strips, crc
+//! ```
+//!
+//! `encoder` wires them; `decoder` (feature `std`) walks back; `metrics` compares what went in with
+//! what came out and sees only points. `capi` and the command line sit on top. [`packet`] reads the sensor's own
+//! packets, where range, beam and azimuth stand as integers.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | range | slant distance from the sensor, meters |
+//! | azimuth, elevation | radians; counterclockwise from x, above the horizon |
+//! | row, column | beam or elevation bin, 0 = the highest; azimuth bin |
+//! | return | a measured point; 'no return' where nothing came back |
+//! | level | a range in steps of the quantizer; 0 = no return |
+//! | strip | a run of columns that decodes alone |
+//! | frame | one turn of the sensor, complete in itself |
+//!
+//! # Features
+//!
+//! None by default: the encoder, without `std` and without an allocator. `std`: decoder, metrics, point files,
+//! simulated sensor, calibration. `cli`: the command line. `capi`: the C ABI. `defmt`: `defmt::Format` on errors and
+//! statistics. They only add; none changes a byte of a frame.
 #![no_std]
 #![deny(unsafe_code)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 #[cfg(feature = "std")]
 extern crate std;
+
+/// The README's example compiles and runs.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 #[cfg(feature = "capi")]
 pub mod capi;
