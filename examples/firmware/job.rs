@@ -28,7 +28,7 @@ impl fmt::Display for Usage {
             Self::NotText => f.write_str("an argument is not UTF-8"),
             Self::Columns => f.write_str("COLUMNS is no number"),
             Self::TooManyColumns => write!(f, "COLUMNS must be 1 to {}", super::COLUMNS_MAX),
-            Self::Coder => f.write_str("CODER must be store or rle"),
+            Self::Coder => f.write_str("CODER must be store, rle or lattice"),
             Self::MaxRange => f.write_str("MAX_RANGE_M is no number"),
             Self::PathTooLong => f.write_str("a path is too long"),
         }
@@ -39,6 +39,8 @@ impl fmt::Display for Usage {
 pub enum CoderName {
     Store,
     Rle,
+    /// Run lengths on the sensor's own grid.
+    Lattice,
 }
 
 impl FromStr for CoderName {
@@ -48,6 +50,7 @@ impl FromStr for CoderName {
         match name {
             "store" => Ok(Self::Store),
             "rle" => Ok(Self::Rle),
+            "lattice" => Ok(Self::Lattice),
             _ => Err(Usage::Coder),
         }
     }
@@ -58,6 +61,7 @@ impl fmt::Display for CoderName {
         f.write_str(match self {
             Self::Store => "store",
             Self::Rle => "rle",
+            Self::Lattice => "lattice",
         })
     }
 }
