@@ -317,7 +317,7 @@ proptest! {
         beams in tables(),
         ticks in prop::sample::select(vec![360_u32, 1024, 2048, 4000, 36_000]),
         clockwise in any::<bool>(),
-        zero_rad in -3.14_f32..3.14,
+        zero_rad in -3.1_f32..3.1,
         unit in prop::sample::select(vec![0.001_f32, 0.002, 0.004]),
         cells in prop::collection::vec((any::<u16>(), any::<u32>(), 0.0_f32..1.0), 100),
     ) {
