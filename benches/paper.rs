@@ -5,7 +5,10 @@ mod baseline;
 
 use std::time::{Duration, Instant};
 
-use flicr::{Config, Decoder, DeflateDefault, FrameEncoder, ImageViewMut, Limits, Scale, Stamp, encode};
+use flicr::geometry::{Lattice, sensors::hdl64e};
+use flicr::{
+    Config, Decoder, DeflateDefault, FrameEncoder, ImageViewMut, LatticeConfig, Limits, Rle, Scale, Stamp, encode,
+};
 
 const COLUMNS: usize = 4500;
 const ROUNDS: usize = 40;
@@ -14,8 +17,13 @@ fn main() {
     let scan = scan();
     let mut ours = Ours::new();
     let mut theirs = Theirs::new();
+    let mut lattice = OnGrid::new();
+    theirs.encode(&scan);
     let rows = [
         ("projection", ratio(|| ours.project(&scan), || theirs.project(&scan))),
+        ("lattice", ratio(|| lattice.project(&scan), || theirs.project(&scan))),
+        ("  encode", ratio(|| lattice.encode(&scan), || theirs.encode(&scan))),
+        ("  decode", ratio(|| lattice.decode(), || theirs.decode())),
         ("encode", ratio(|| ours.encode(&scan), || theirs.encode(&scan))),
         ("decode", ratio(|| ours.decode(), || theirs.decode())),
     ];
@@ -78,6 +86,54 @@ impl Ours {
     fn encode(&mut self, scan: &[[f32; 4]]) {
         let image = ImageViewMut::new(&mut self.levels, COLUMNS).unwrap();
         let encoded = encode(&Config::PAPER, scan, Stamp::default(), image, &mut *self.coder, &mut self.out).unwrap();
+        std::hint::black_box(encoded);
+    }
+
+    fn decode(&mut self) {
+        let len = flicr::frame::frame_len(&self.out).unwrap();
+        let frame = self.decoder.decode(&self.out[..len]).unwrap();
+        frame.points_into(&mut self.points);
+        std::hint::black_box(&self.points);
+    }
+}
+
+/// The sensor's own grid, lossless.
+struct OnGrid {
+    levels: Vec<u16>,
+    coder: Rle,
+    out: Vec<u8>,
+    decoder: Decoder,
+    points: Vec<[f32; 3]>,
+}
+
+static EVERY_TICK: Lattice<66> = match Lattice::new(hdl64e::GRID, 4000) {
+    Ok(lattice) => lattice,
+    Err(_) => panic!("checked at compile time"),
+};
+
+impl OnGrid {
+    fn new() -> Self {
+        Self {
+            levels: vec![0; 64 * 4000],
+            coder: Rle::new(),
+            out: vec![0; 600_000],
+            decoder: Decoder::new(Limits::default()),
+            points: Vec::new(),
+        }
+    }
+
+    fn project(&mut self, scan: &[[f32; 4]]) {
+        let image = ImageViewMut::new(&mut self.levels, 4000).unwrap();
+        let config = LatticeConfig::new(&EVERY_TICK);
+        let mut frame = FrameEncoder::start(&config, Stamp::default(), image, &mut self.coder).unwrap();
+        frame.insert(scan);
+        std::hint::black_box(frame.tally());
+    }
+
+    fn encode(&mut self, scan: &[[f32; 4]]) {
+        let image = ImageViewMut::new(&mut self.levels, 4000).unwrap();
+        let config = LatticeConfig::new(&EVERY_TICK);
+        let encoded = encode(&config, scan, Stamp::default(), image, &mut self.coder, &mut self.out).unwrap();
         std::hint::black_box(encoded);
     }
 

@@ -514,7 +514,7 @@ impl flicr_config {
         let UniformView { top_rad, bottom_rad, start_rad, span_rad } = config.view;
         let max_range_m = match config.scale {
             Scale::Fixed { max_range_m } => max_range_m,
-            Scale::PerFrame => 0.0,
+            Scale::PerFrame | Scale::Step { .. } => 0.0,
         };
         Self {
             columns,
@@ -675,13 +675,9 @@ const fn coder_of(encoder: *mut flicr_encoder) -> *mut c_void {
 impl flicr_encoder {
     fn new(settings: &flicr_config, layout: Layout, finish: Finish) -> Outcome<Self> {
         let config = settings.to_config()?;
-        let max_range_m = match config.scale {
-            Scale::Fixed { max_range_m } => max_range_m,
-            Scale::PerFrame => 1.0,
-        };
         let (rows, columns) = (settings.rows as usize, settings.columns as usize);
         // Finds now what would be found with every frame.
-        OpenFrame::new::<u8>(&config, max_range_m, Stamp::default(), rows, columns)?;
+        OpenFrame::new::<u8>(&config, || Some(1.0), Stamp::default(), rows, columns)?;
         Ok(Self { magic: MAGIC, layout, columns, finish, config, frame: None })
     }
 }
@@ -882,7 +878,7 @@ impl From<flicr_stamp> for Stamp {
 
 impl From<Encoded> for flicr_encoded {
     fn from(encoded: Encoded) -> Self {
-        let Encoded { len, tally, range_bound_m } = encoded;
+        let Encoded { len, tally, range_bound_m, .. } = encoded;
         Self { len, range_bound_m, tally: tally.into() }
     }
 }
@@ -898,7 +894,13 @@ impl From<Tally> for flicr_tally {
 impl From<ConfigError> for flicr_status {
     fn from(error: ConfigError) -> Self {
         match error {
-            ConfigError::Size { .. } => Self::Size,
+            // The sensors' own grids are not in the C ABI; of their errors, all are about what does not fit the image.
+            ConfigError::Size { .. }
+            | ConfigError::ImageSize { .. }
+            | ConfigError::Beams { .. }
+            | ConfigError::Beam { .. }
+            | ConfigError::Ticks { .. }
+            | ConfigError::RangeUnit { .. } => Self::Size,
             ConfigError::LevelBits { .. } => Self::LevelBits,
             ConfigError::MaxRange { .. } => Self::MaxRange,
             ConfigError::ElevationView { .. } => Self::ElevationView,

@@ -1,8 +1,13 @@
 //! What a frame is to be like: the choices of every stage in one place, and the presets.
 
+use crate::error::{ConfigError, EncodeError};
+use crate::fit::{GridFit, NoFit};
+use crate::frame::{BeamsHeader, GeometryFields, UniformHeader};
 use crate::geometry::angles::{self, AngleTables};
-use crate::geometry::{Placement, UniformView};
+use crate::geometry::{Lattice, Placement, Projection, UniformGrid, UniformView};
 use crate::insert::{Collision, OutOfView, Policy};
+use crate::point::Points;
+use crate::quantize::Quantizer;
 
 /// Where the quantizer's largest range comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +19,11 @@ pub enum Scale {
     },
     /// The farthest point of each frame, which takes a pass of its own over the points.
     PerFrame,
+    /// Levels this far apart; the largest range follows from their number.
+    Step {
+        /// Distance between two levels, meters.
+        step_m: f32,
+    },
 }
 
 /// The choices of every stage. `NODES` follows from `tables`.
@@ -59,4 +69,166 @@ impl Config {
         policy: Policy { collision: Collision::Nearest, out_of_view: OutOfView::Clamp },
         ..Self::PAPER
     };
+}
+
+/// A frame on the sensor's own grid: every return comes back on its beam and tick, its range within half a step.
+///
+/// The image must have a row for each beam and the lattice's columns.
+///
+/// ```
+/// use flicr::geometry::{Lattice, sensors::hdl64e};
+/// use flicr::{Encoder, LatticeConfig, Rle, Stamp};
+/// let lattice = Lattice::<66>::new(hdl64e::GRID, 500)?;
+/// let config = LatticeConfig::new(&lattice);
+/// let mut encoder: Encoder<64, 500, u16, Rle> = Encoder::new(Rle::new());
+/// let mut out = vec![0; config.worst_case_len::<u16, Rle>()];
+/// let encoded = encoder.encode(&config, [[10.0_f32, 0.0, -1.0]].as_slice(), Stamp::default(), &mut out)?;
+/// assert_eq!(encoded.tally.kept(), 1);
+/// # Ok::<(), flicr::EncodeError>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct LatticeConfig<'a, const LINES: usize, const NODES: usize = 257> {
+    /// The sensor's grid and the columns.
+    pub lattice: &'a Lattice<'a, LINES, NODES>,
+    /// Bits of a level: 1 to 8 in an image of `u8`, 9 to 16 in one of `u16`.
+    pub level_bits: u32,
+    /// Distance of the levels.
+    pub scale: Scale,
+    /// Collisions and points out of view.
+    pub policy: Policy,
+    /// Whether each frame carries the beams (20 bytes each), for receivers that do not know the sensor.
+    pub table: bool,
+    /// Whether to measure how far points are off the grid: then the frame states the bound that holds for every point.
+    /// Takes about as long as the projection once more.
+    pub measure: bool,
+}
+
+impl<'a, const LINES: usize, const NODES: usize> LatticeConfig<'a, LINES, NODES> {
+    /// Lossless: a level is a range count. Points above or below the beams are moved to the nearest one.
+    #[must_use]
+    pub const fn new(lattice: &'a Lattice<'a, LINES, NODES>) -> Self {
+        Self {
+            lattice,
+            level_bits: 16,
+            scale: Scale::Step { step_m: lattice.grid().range_unit_m },
+            policy: Policy { collision: Collision::Nearest, out_of_view: OutOfView::Clamp },
+            table: false,
+            measure: false,
+        }
+    }
+
+    /// Output bytes that are enough for every frame.
+    #[must_use]
+    pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
+        let rows = self.lattice.grid().beams.len();
+        let table_len = if self.table { rows * BeamsHeader::BEAM_LEN } else { 0 };
+        let more = BeamsHeader::HEADER_LEN - crate::frame::HEADER_LEN + table_len;
+        crate::frame::worst_case_len::<L, C>(rows * self.lattice.columns_in_turn() as usize) + more
+    }
+}
+
+/// What the encoder asks of a configuration: [`Config`] and [`LatticeConfig`] are the two there are. The geometry that
+/// is not used costs no flash.
+pub trait Settings: Copy {
+    /// The forward direction of the geometry.
+    type Projection: Projection + Copy + core::fmt::Debug;
+    /// What it keeps of how far points are off the grid: [`NoFit`] or [`GridFit`].
+    type Fit: Copy + core::fmt::Debug + Default + Into<GridFit>;
+    /// What the frame says of the geometry.
+    type Fields: GeometryFields;
+
+    /// The projection into an image of this size.
+    ///
+    /// # Errors
+    /// Where there is none.
+    fn projection(&self, rows: usize, columns: usize) -> Result<Self::Projection, ConfigError>;
+
+    /// Bits of a level, and the distance of the levels.
+    fn levels(&self) -> (u32, Scale);
+
+    /// Collisions and points out of view.
+    fn policy(&self) -> Policy;
+
+    /// The geometry's fields of the header, given how well the points fitted.
+    fn fields(&self, fit: &Self::Fit) -> Self::Fields;
+
+    /// Adds to `fit` how far points are off the grid, where that is asked for.
+    fn measure(&self, _points: &(impl Points + ?Sized), _quantizer: &Quantizer, _fit: &mut Self::Fit) {}
+}
+
+impl<const NODES: usize> Settings for Config<NODES> {
+    type Projection = UniformGrid<NODES>;
+    type Fit = NoFit;
+    type Fields = UniformHeader;
+
+    fn projection(&self, rows: usize, columns: usize) -> Result<Self::Projection, ConfigError> {
+        UniformGrid::with_tables(rows, columns, self.view, self.tables)
+    }
+
+    fn levels(&self) -> (u32, Scale) {
+        (self.level_bits, self.scale)
+    }
+
+    fn policy(&self) -> Policy {
+        self.policy
+    }
+
+    fn fields(&self, _: &NoFit) -> UniformHeader {
+        UniformHeader { view: self.view, placement: self.placement }
+    }
+}
+
+impl<'a, const LINES: usize, const NODES: usize> Settings for LatticeConfig<'a, LINES, NODES> {
+    type Projection = &'a Lattice<'a, LINES, NODES>;
+    type Fit = GridFit;
+    type Fields = BeamsHeader<'a>;
+
+    fn projection(&self, rows: usize, columns: usize) -> Result<Self::Projection, ConfigError> {
+        let expected = (self.lattice.rows(), self.lattice.columns());
+        if (usize::from(expected.0), usize::from(expected.1)) != (rows, columns) {
+            return Err(ConfigError::ImageSize {
+                rows,
+                columns,
+                expected_rows: expected.0,
+                expected_columns: expected.1,
+            });
+        }
+        Ok(self.lattice)
+    }
+
+    fn levels(&self) -> (u32, Scale) {
+        (self.level_bits, self.scale)
+    }
+
+    fn policy(&self) -> Policy {
+        self.policy
+    }
+
+    fn fields(&self, fit: &GridFit) -> BeamsHeader<'a> {
+        let point_bound_m = if self.measure { fit.point_bound_m() } else { f32::INFINITY };
+        BeamsHeader { grid: *self.lattice.grid(), point_bound_m, table: self.table }
+    }
+
+    fn measure(&self, points: &(impl Points + ?Sized), quantizer: &Quantizer, fit: &mut GridFit) {
+        if self.measure {
+            fit.add(points, self.lattice, quantizer);
+        }
+    }
+}
+
+/// The quantizer of these levels; `farthest_m` is asked only where the scale follows the frame, and gives `None` where
+/// points come piece by piece. A scan without a point, or with all of them nearer than floats can scale, gets a scale of
+/// one meter: its frame is empty and says so.
+pub(crate) fn quantizer(
+    (level_bits, scale): (u32, Scale),
+    farthest_m: impl FnOnce() -> Option<f32>,
+) -> Result<Quantizer, EncodeError> {
+    Ok(match scale {
+        Scale::Fixed { max_range_m } => Quantizer::new(level_bits, max_range_m)?,
+        Scale::PerFrame => {
+            let farthest_m = farthest_m().ok_or(EncodeError::ScaleNeedsWholeScan)?;
+            Quantizer::new(level_bits, farthest_m).or_else(|_| Quantizer::new(level_bits, 1.0))?
+        }
+        Scale::Step { step_m } => Quantizer::with_step(level_bits, step_m)?,
+    })
 }

@@ -4,9 +4,9 @@ use std::vec;
 use std::vec::Vec;
 
 use crate::coder::{self, CoderId};
-use crate::error::{DecodeError, LimitKind, PayloadFault};
-use crate::frame::{self, Header, ParsedFrame};
-use crate::geometry::Sphere;
+use crate::error::{DecodeError, HeaderField, LimitKind, PayloadFault};
+use crate::frame::{self, BeamsGeometry, Geometry, Header, ParsedFrame};
+use crate::geometry::{Beam, SensorGrid, Sphere, Turn, sensors};
 use crate::image::{ImageView, Level};
 
 /// What a decoder may be asked to do; checked before any memory is taken or work begun.
@@ -32,12 +32,30 @@ impl Default for Limits {
 /// Decodes frames; keeps its memory and the geometry's sines and cosines from one to the next.
 ///
 /// RAM: 1 or 2 bytes a pixel of the largest frame so far, the same again while a frame of several strips is decoded,
-/// and 16 bytes a row and a column.
+/// and 16 bytes a row and a column (48 and 16 on a sensor's own grid).
+///
+/// Frames on the grid of a [built-in](sensors::ALL) sensor need nothing else, nor do those that carry their beams;
+/// [`know`](Self::know) tells it of others.
 #[derive(Debug, Default)]
 pub struct Decoder {
     limits: Limits,
     levels: Levels,
+    places: Places,
+    known: Vec<Known>,
+}
+
+/// Where the pixels of the last frame of either geometry lie.
+#[derive(Debug, Default)]
+struct Places {
     sphere: Sphere,
+    turn: Turn,
+}
+
+/// A sensor that the caller has told of.
+#[derive(Debug)]
+struct Known {
+    sensor: u32,
+    beams: Vec<Beam>,
 }
 
 /// The levels of a decoded image, row-major, 0 = no return.
@@ -60,7 +78,7 @@ impl Default for Levels {
 pub struct Frame<'a> {
     header: Header,
     levels: &'a Levels,
-    sphere: &'a Sphere,
+    places: &'a Places,
 }
 
 impl Decoder {
@@ -68,6 +86,14 @@ impl Decoder {
     #[must_use]
     pub fn new(limits: Limits) -> Self {
         Self { limits, ..Self::default() }
+    }
+
+    /// Makes a sensor's grid known, for frames that do not carry its beams. Takes 20 bytes a beam.
+    pub fn know(&mut self, grid: &SensorGrid<'_>) {
+        let sensor = grid.checksum();
+        if self.known.iter().all(|known| known.sensor != sensor) {
+            self.known.push(Known { sensor, beams: grid.beams.to_vec() });
+        }
     }
 
     /// Decodes `bytes`, which must be exactly one frame.
@@ -79,9 +105,33 @@ impl Decoder {
         let parsed = frame::parse(bytes)?;
         let header = parsed.header;
         check_limit(LimitKind::Pixels, header.pixels(), self.limits.pixels)?;
+        match header.geometry {
+            Geometry::Uniform(uniform) => {
+                self.places.sphere.prepare(header.rows, header.columns, uniform.view, uniform.placement);
+            }
+            Geometry::Beams(beams) => self.prepare_turn(&header, &beams, parsed.table())?,
+        }
         self.levels.decode(&parsed)?;
-        self.sphere.prepare(header.rows, header.columns, header.view, header.placement);
-        Ok(Frame { header, levels: &self.levels, sphere: &self.sphere })
+        Ok(Frame { header, levels: &self.levels, places: &self.places })
+    }
+
+    fn prepare_turn(&mut self, header: &Header, beams: &BeamsGeometry, table: &[u8]) -> Result<(), DecodeError> {
+        let read;
+        let built_in = || sensors::ALL.iter().find(|grid| grid.checksum() == beams.sensor).map(|grid| grid.beams);
+        let known = || self.known.iter().find(|known| known.sensor == beams.sensor).map(|known| known.beams.as_slice());
+        let found = if beams.table {
+            read = beams.read_table(table)?;
+            &read
+        } else {
+            known().or_else(built_in).ok_or(DecodeError::UnknownSensor { sensor: beams.sensor })?
+        };
+        // A checksum that fits by chance, or by malice, must not fit a grid of other numbers.
+        let grid = beams.grid(found);
+        if found.len() != usize::from(header.rows) || grid.checksum() != beams.sensor {
+            return Err(DecodeError::Header { field: HeaderField::Sensor, found: beams.sensor });
+        }
+        self.places.turn.prepare(&grid, header.columns, header.quantizer.step_m());
+        Ok(())
     }
 }
 
@@ -175,14 +225,32 @@ impl<'a> Frame<'a> {
     }
 
     fn push_points<L: Level>(&self, levels: &[L], points: &mut Vec<[f32; 3]>) {
+        let quantizer = self.header.quantizer;
+        match self.header.geometry {
+            Geometry::Uniform(_) => self.push_rows(levels, points, |row| {
+                let directions = self.places.sphere.row(row);
+                move |column, level| directions.at(column, quantizer.range_m(level))
+            }),
+            Geometry::Beams(_) => self.push_rows(levels, points, |row| {
+                let row = self.places.turn.row(row);
+                move |column, level| row.at(column, level)
+            }),
+        }
+    }
+
+    /// Appends the returns of all rows; `of_row` gives what makes a row's column and level a point.
+    fn push_rows<L: Level, P: Fn(u16, u16) -> [f32; 3]>(
+        &self,
+        levels: &[L],
+        points: &mut Vec<[f32; 3]>,
+        of_row: impl Fn(usize) -> P,
+    ) {
         let Some(image) = ImageView::new(levels, self.header.columns.into()) else { return };
         points.reserve(image.occupied());
-        let quantizer = self.header.quantizer;
         let mut returns = RowReturns::new(image.columns());
         for (row, levels) in levels.chunks_exact(image.columns()).enumerate() {
-            let directions = self.sphere.row(row);
-            let found = returns.gather(levels);
-            points.extend(found.iter().map(|&(column, level)| directions.at(column, quantizer.range_m(level))));
+            let point = of_row(row);
+            points.extend(returns.gather(levels).iter().map(|&(column, level)| point(column, level)));
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Wires the stages: points -> range image -> payload -> frame.
 
 use crate::coder::{Coder, CoderId};
-use crate::config::{Config, Scale};
+use crate::config::{Config, LatticeConfig, Settings, quantizer};
 use crate::error::{ConfigError, EncodeError};
+use crate::fit::GridFit;
 use crate::frame::{self, Header};
-use crate::geometry::{Placement, UniformGrid};
+use crate::geometry::{OnRows, Projection};
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
-use crate::insert::{Policy, farthest_m, insert};
-use crate::point::Points;
+use crate::insert::{farthest_m, insert};
+use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
 use crate::tally::Tally;
 
@@ -31,6 +32,8 @@ pub struct Encoded {
     pub tally: Tally,
     /// Most that a kept point's range is off after decoding, meters.
     pub range_bound_m: f32,
+    /// How far the points are off the sensor's grid, where [`LatticeConfig::measure`] asked for it.
+    pub fit: GridFit,
 }
 
 /// A range image and a coder's state, to encode frames of `ROWS` x `COLS` without an allocator.
@@ -76,9 +79,9 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
     /// # Errors
     /// [`EncodeError::OutputTooSmall`], never with [`WORST_CASE_LEN`](Self::WORST_CASE_LEN) bytes;
     /// [`EncodeError::Config`].
-    pub fn encode<const NODES: usize>(
+    pub fn encode(
         &mut self,
-        config: &Config<NODES>,
+        config: &impl Settings,
         points: &(impl Points + ?Sized),
         stamp: Stamp,
         out: &mut [u8],
@@ -118,11 +121,7 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
     ///
     /// # Errors
     /// [`EncodeError::ScaleNeedsWholeScan`] unless `config`'s scale is fixed; [`EncodeError::Config`].
-    pub fn start<const NODES: usize>(
-        &mut self,
-        config: &Config<NODES>,
-        stamp: Stamp,
-    ) -> Result<FrameEncoder<'_, L, C, NODES>, EncodeError> {
+    pub fn start<S: Settings>(&mut self, config: &S, stamp: Stamp) -> Result<FrameEncoder<'_, L, C, S>, EncodeError> {
         FrameEncoder::start(config, stamp, self.image.view_mut(), &mut self.coder)
     }
 }
@@ -131,8 +130,8 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
 ///
 /// # Errors
 /// As [`Encoder::encode`].
-pub fn encode<L: Level, C: Coder<L>, const NODES: usize>(
-    config: &Config<NODES>,
+pub fn encode<L: Level, C: Coder<L>>(
+    config: &impl Settings,
     points: &(impl Points + ?Sized),
     stamp: Stamp,
     mut image: ImageViewMut<'_, L>,
@@ -156,19 +155,19 @@ pub fn encode<L: Level, C: Coder<L>, const NODES: usize>(
 /// # Ok::<(), flicr::EncodeError>(())
 /// ```
 #[derive(Debug)]
-pub struct FrameEncoder<'a, L: Level, C, const NODES: usize = 257> {
-    frame: OpenFrame<NODES>,
+pub struct FrameEncoder<'a, L: Level, C, S: Settings = Config> {
+    frame: OpenFrame<S>,
     image: ImageViewMut<'a, L>,
     coder: &'a mut C,
 }
 
-impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES> {
+impl<'a, L: Level, C: Coder<L>, S: Settings> FrameEncoder<'a, L, C, S> {
     /// Empties `image` and begins a frame of its size.
     ///
     /// # Errors
     /// As [`Encoder::start`].
     pub fn start(
-        config: &Config<NODES>,
+        config: &S,
         stamp: Stamp,
         mut image: ImageViewMut<'a, L>,
         coder: &'a mut C,
@@ -188,6 +187,12 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
         self.frame.tally()
     }
 
+    /// How far the points are off the sensor's grid so far; empty where that is not measured.
+    #[must_use]
+    pub fn fit(&self) -> GridFit {
+        self.frame.fit.into()
+    }
+
     /// Codes the image and writes the frame to the front of `out`.
     ///
     /// # Errors
@@ -197,67 +202,92 @@ impl<'a, L: Level, C: Coder<L>, const NODES: usize> FrameEncoder<'a, L, C, NODES
     }
 }
 
+impl<L: Level, C: Coder<L>, const LINES: usize, const NODES: usize>
+    FrameEncoder<'_, L, C, LatticeConfig<'_, LINES, NODES>>
+{
+    /// Puts points into the image whose beams are known: from a file's ring numbers or its order. Where one of the two
+    /// is longer, its rest is left out; points of a row that there is not are counted as out of view or clamped.
+    pub fn insert_on_rows(&mut self, points: &[[f32; 3]], rows: &[u16]) {
+        let OpenFrame { config, quantizer, tally, fit, .. } = &mut self.frame;
+        let lattice = config.lattice;
+        for (points, rows) in points.chunks(BLOCK_LEN).zip(rows.chunks(BLOCK_LEN)) {
+            let points = &points[..points.len().min(rows.len())];
+            insert(points, &OnRows { lattice, rows }, quantizer, config.policy, &mut self.image, tally);
+            if config.measure {
+                let pairs = points.iter().zip(rows);
+                pairs.for_each(|(&point, &row)| fit.add_one(lattice, quantizer, point, Some(row)));
+            }
+        }
+    }
+}
+
 /// A frame between its first point and its bytes. The image and the coder are lent to each step, so that a frame can
 /// stay open in memory that is not Rust's to borrow (the C ABI's).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct OpenFrame<const NODES: usize = 257> {
-    grid: UniformGrid<NODES>,
+pub(crate) struct OpenFrame<S: Settings = Config> {
+    projection: S::Projection,
     quantizer: Quantizer,
-    placement: Placement,
-    policy: Policy,
+    config: S,
     stamp: Stamp,
     tally: Tally,
+    fit: S::Fit,
 }
 
-impl<const NODES: usize> OpenFrame<NODES> {
+impl<S: Settings> OpenFrame<S> {
     /// Empties `image` and begins a frame of its size.
     pub(crate) fn start<L: Level>(
-        config: &Config<NODES>,
+        config: &S,
         stamp: Stamp,
         image: &mut ImageViewMut<'_, L>,
     ) -> Result<Self, EncodeError> {
-        let Scale::Fixed { max_range_m } = config.scale else {
-            return Err(EncodeError::ScaleNeedsWholeScan);
-        };
-        let view = image.as_view();
-        let frame = Self::new::<L>(config, max_range_m, stamp, view.rows(), view.columns())?;
-        image.clear();
-        Ok(frame)
+        Self::begin(config, || None, stamp, image)
     }
 
     /// Begins a frame with the scale that the configuration and the scan ask for, and puts the scan into `image`.
     pub(crate) fn of_scan<L: Level>(
-        config: &Config<NODES>,
+        config: &S,
         points: &(impl Points + ?Sized),
         stamp: Stamp,
         image: &mut ImageViewMut<'_, L>,
     ) -> Result<Self, EncodeError> {
-        let scale = Scale::Fixed { max_range_m: max_range_m(config, points) };
-        let mut frame = Self::start(&Config { scale, ..*config }, stamp, image)?;
+        let mut frame = Self::begin(config, || Some(farthest_m(points)), stamp, image)?;
         frame.insert(points, image);
+        Ok(frame)
+    }
+
+    fn begin<L: Level>(
+        config: &S,
+        farthest_m: impl FnOnce() -> Option<f32>,
+        stamp: Stamp,
+        image: &mut ImageViewMut<'_, L>,
+    ) -> Result<Self, EncodeError> {
+        let view = image.as_view();
+        let frame = Self::new::<L>(config, farthest_m, stamp, view.rows(), view.columns())?;
+        image.clear();
         Ok(frame)
     }
 
     /// A frame of `rows` x `columns` levels `L`, or what is wrong with the configuration.
     pub(crate) fn new<L: Level>(
-        config: &Config<NODES>,
-        max_range_m: f32,
+        config: &S,
+        farthest_m: impl FnOnce() -> Option<f32>,
         stamp: Stamp,
         rows: usize,
         columns: usize,
-    ) -> Result<Self, ConfigError> {
-        if !(L::BITS_MIN..=L::BITS).contains(&config.level_bits) {
-            return Err(ConfigError::LevelBits { found: config.level_bits, min: L::BITS_MIN, max: L::BITS });
+    ) -> Result<Self, EncodeError> {
+        let (found, scale) = config.levels();
+        if !(L::BITS_MIN..=L::BITS).contains(&found) {
+            return Err(ConfigError::LevelBits { found, min: L::BITS_MIN, max: L::BITS }.into());
         }
-        let quantizer = Quantizer::new(config.level_bits, max_range_m)?;
-        let grid = UniformGrid::with_tables(rows, columns, config.view, config.tables)?;
-        let (placement, policy) = (config.placement, config.policy);
-        Ok(Self { grid, quantizer, placement, policy, stamp, tally: Tally::new() })
+        let quantizer = quantizer((found, scale), farthest_m)?;
+        let projection = config.projection(rows, columns)?;
+        Ok(Self { projection, quantizer, config: *config, stamp, tally: Tally::new(), fit: S::Fit::default() })
     }
 
     /// Puts points into the image that the frame was started with.
     pub(crate) fn insert<L: Level>(&mut self, points: &(impl Points + ?Sized), image: &mut ImageViewMut<'_, L>) {
-        insert(points, &self.grid, &self.quantizer, self.policy, image, &mut self.tally);
+        insert(points, &self.projection, &self.quantizer, self.config.policy(), image, &mut self.tally);
+        self.config.measure(points, &self.quantizer, &mut self.fit);
     }
 
     pub(crate) const fn tally(&self) -> &Tally {
@@ -271,37 +301,23 @@ impl<const NODES: usize> OpenFrame<NODES> {
         coder: &mut C,
         out: &mut [u8],
     ) -> Result<Encoded, EncodeError> {
-        let have = out.len();
-        let worst_case = frame::worst_case_len::<L, C>(image.levels().len());
-        let len = frame::write(self.header(C::ID), image, coder, out);
+        let (header, have) = (self.header(C::ID), out.len());
+        let worst_case = frame::worst_case_len::<L, C>(image.levels().len()) + header.more_than_uniform();
+        let len = frame::write(header, image, coder, out);
         let len = len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?;
-        Ok(Encoded { len, tally: self.tally, range_bound_m: self.quantizer.range_bound_m() })
+        Ok(Encoded { len, tally: self.tally, range_bound_m: self.quantizer.range_bound_m(), fit: self.fit.into() })
     }
 
-    fn header(&self, coder: CoderId) -> Header {
-        use crate::geometry::Projection;
+    fn header(&self, coder: CoderId) -> Header<S::Fields> {
         Header {
             sequence: self.stamp.sequence,
             timestamp_ns: self.stamp.timestamp_ns,
-            rows: self.grid.rows(),
-            columns: self.grid.columns(),
+            rows: self.projection.rows(),
+            columns: self.projection.columns(),
             quantizer: self.quantizer,
             coder,
             returns: self.tally.returns(),
-            view: *self.grid.view(),
-            placement: self.placement,
-        }
-    }
-}
-
-/// Range of the largest level. A scan without a point, or with all of them nearer than floats can scale, gets a scale
-/// of one meter: its frame is empty and says so.
-fn max_range_m<const NODES: usize>(config: &Config<NODES>, points: &(impl Points + ?Sized)) -> f32 {
-    match config.scale {
-        Scale::Fixed { max_range_m } => max_range_m,
-        Scale::PerFrame => {
-            let farthest_m = farthest_m(points);
-            if Quantizer::new(config.level_bits, farthest_m).is_ok() { farthest_m } else { 1.0 }
+            geometry: self.config.fields(&self.fit),
         }
     }
 }

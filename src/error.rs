@@ -28,6 +28,41 @@ pub enum ConfigError {
         /// Meters asked for.
         found_m: f32,
     },
+    /// The image must have a row for each of the sensor's beams, and the lattice's columns.
+    ImageSize {
+        /// Rows of the image.
+        rows: usize,
+        /// Columns of the image.
+        columns: usize,
+        /// Beams.
+        expected_rows: u16,
+        /// Columns of the lattice.
+        expected_columns: u16,
+    },
+    /// A sensor has at least one beam, and a table of its own size or [`Lattice`](crate::geometry::Lattice) a most.
+    Beams {
+        /// Beams there are.
+        found: usize,
+        /// Most that there may be.
+        max: usize,
+    },
+    /// The beams' slopes must fall from row to row, and their numbers be such as a sensor can have.
+    Beam {
+        /// First row that is not so.
+        row: usize,
+    },
+    /// A turn has 1 to 2^20 ticks.
+    Ticks {
+        /// Ticks asked for.
+        found: u32,
+        /// Most that there may be.
+        max: u32,
+    },
+    /// A range unit is more than 0 and at most a meter.
+    RangeUnit {
+        /// Meters asked for.
+        found_m: f32,
+    },
     /// Elevations must satisfy -90 degrees <= bottom < top <= 90 degrees.
     ElevationView {
         /// Upper edge asked for, radians.
@@ -130,6 +165,11 @@ pub enum DecodeError {
         /// Column it should start at.
         expected: u32,
     },
+    /// The frame is on the grid of a sensor that the decoder does not know, and does not carry its beams.
+    UnknownSensor {
+        /// Checksum of the grid.
+        sensor: u32,
+    },
     /// A strip's payload does not decode to its pixels.
     Payload {
         /// Number of the strip, from 0.
@@ -177,6 +217,13 @@ pub enum HeaderField {
     RangeBound,
     GeometryKind,
     GeometryView,
+    GeometryFlags,
+    ColumnMode,
+    Sensor,
+    Ticks,
+    RangeUnit,
+    PointBound,
+    Beam,
     StripColumns,
     Reserved,
 }
@@ -207,6 +254,15 @@ impl fmt::Display for ConfigError {
             Self::MaxRange { found_m } => {
                 write!(f, "a largest range of {found_m} m asked for: expected a positive, finite number")
             }
+            Self::ImageSize { rows, columns, expected_rows, expected_columns } => {
+                write!(f, "an image of {columns} x {rows}: expected the lattice's {expected_columns} x {expected_rows}")
+            }
+            Self::Beams { found, max } => write!(f, "a sensor of {found} beams: expected 1 to {max}"),
+            Self::Beam { row } => {
+                write!(f, "beam {row} is not lower than the one before, or has numbers that no sensor has")
+            }
+            Self::Ticks { found, max } => write!(f, "{found} ticks a turn: expected 1 to {max}"),
+            Self::RangeUnit { found_m } => write!(f, "a range unit of {found_m} m: expected more than 0 and at most 1"),
             Self::ElevationView { top_rad, bottom_rad } => write!(
                 f,
                 "elevations from {bottom_rad} to {top_rad} rad asked for: expected -pi/2 <= bottom < top <= pi/2"
@@ -260,6 +316,9 @@ impl fmt::Display for DecodeError {
             }
             Self::StripOrder { found, expected } => {
                 write!(f, "a strip starts at column {found}: expected {expected}")
+            }
+            Self::UnknownSensor { sensor } => {
+                write!(f, "the frame is on the grid of a sensor that is not known here: {sensor:08x}")
             }
             Self::Payload { strip, fault } => write!(f, "payload of strip {strip}: {fault}"),
         }

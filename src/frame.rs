@@ -8,9 +8,12 @@
 
 use crate::coder::{Coder, CoderId, OutputFull, Sink};
 use crate::error::{DecodeError, HeaderField};
-use crate::geometry::{Placement, UniformView};
 use crate::image::{ImageView, Level};
 use crate::quantize::Quantizer;
+
+mod geometry;
+
+pub use geometry::{BeamsGeometry, BeamsHeader, Geometry, GeometryFields, UniformHeader};
 
 /// First four bytes of every frame.
 pub const MAGIC: [u8; 4] = *b"FLCR";
@@ -25,9 +28,6 @@ pub const CHECKSUM_LEN: usize = 4;
 /// Bytes that a frame of one strip needs besides its payload.
 pub const OVERHEAD_LEN: usize = HEADER_LEN + STRIP_HEADER_LEN + CHECKSUM_LEN;
 
-const CORNER_FLAG: u8 = 1;
-const GEOMETRY_UNIFORM: u8 = 0;
-
 /// CRC-32 as in zip and Ethernet: a table of 1 KB on the device, of 16 KB where there is room.
 static CRC: crc::Crc<u32, CrcTable> = crc::Crc::<u32, CrcTable>::new(&crc::CRC_32_ISO_HDLC);
 #[cfg(not(feature = "std"))]
@@ -35,9 +35,10 @@ type CrcTable = crc::Table<1>;
 #[cfg(feature = "std")]
 type CrcTable = crc::Table<16>;
 
-/// Everything a decoder must know of a frame but its pixels.
+/// Everything a decoder must know of a frame but its pixels. `G` is [`Geometry`] where a header was read, one of
+/// [`UniformHeader`] and [`BeamsHeader`] where it is to be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Header {
+pub struct Header<G = Geometry> {
     /// The caller's number of the frame.
     pub sequence: u32,
     /// The caller's time of the frame, nanoseconds, of any epoch.
@@ -52,31 +53,32 @@ pub struct Header {
     pub coder: CoderId,
     /// Returns that the encoder was given: those in the image and those it lost. What was no return is not counted.
     pub returns: u32,
-    /// The part of the sphere that the image shows.
-    pub view: UniformView,
-    /// Where in its pixel a point lies.
-    pub placement: Placement,
+    /// Where pixels lie in space.
+    pub geometry: G,
 }
 
-impl Header {
+impl<G: Copy> Header<G> {
     /// Pixels of the image.
     #[must_use]
     pub const fn pixels(&self) -> usize {
         self.rows as usize * self.columns as usize
     }
+}
 
-    fn to_bytes(self, frame_len: u32, strips: u16) -> [u8; HEADER_LEN] {
-        let mut bytes = [0; HEADER_LEN];
-        let mut at = 0;
-        let mut put = |field: &[u8]| {
-            for (to, &from) in bytes.iter_mut().skip(at).zip(field) {
-                *to = from;
-            }
-            at += field.len();
-        };
+impl<G: GeometryFields> Header<G> {
+    /// Bytes by which the header is longer than one of a uniform geometry.
+    pub(crate) fn more_than_uniform(&self) -> usize {
+        self.geometry.header_len() - HEADER_LEN
+    }
+
+    /// Writes the header over all of `out`.
+    fn put(&self, frame_len: u32, strips: u16, out: &mut [u8]) {
+        let header_len = out.len() as u16;
+        let mut places = out.iter_mut();
+        let mut put = |field: &[u8]| field.iter().zip(places.by_ref()).for_each(|(&from, to)| *to = from);
         put(&MAGIC);
-        put(&[VERSION, if self.placement == Placement::Corner { CORNER_FLAG } else { 0 }]);
-        put(&(HEADER_LEN as u16).to_le_bytes());
+        put(&[VERSION, self.geometry.flags()]);
+        put(&header_len.to_le_bytes());
         put(&frame_len.to_le_bytes());
         put(&self.sequence.to_le_bytes());
         put(&self.timestamp_ns.to_le_bytes());
@@ -87,15 +89,11 @@ impl Header {
         put(&self.quantizer.step_m().to_le_bytes());
         put(&self.quantizer.range_bound_m().to_le_bytes());
         put(&self.returns.to_le_bytes());
-        put(&[GEOMETRY_UNIFORM, 0, 0, 0]);
-        for angle_rad in [self.view.top_rad, self.view.bottom_rad, self.view.start_rad, self.view.span_rad] {
-            put(&angle_rad.to_le_bytes());
-        }
-        bytes
+        self.geometry.put(put);
     }
 }
 
-/// Most bytes that a frame of `pixels` pixels can take with coder `C`.
+/// Most bytes that a frame of `pixels` pixels and a uniform geometry can take with coder `C`.
 #[must_use]
 pub const fn worst_case_len<L: Level, C: Coder<L>>(pixels: usize) -> usize {
     OVERHEAD_LEN + C::WORST_CASE.len(pixels)
@@ -108,17 +106,17 @@ pub const fn worst_case_len<L: Level, C: Coder<L>>(pixels: usize) -> usize {
 /// # Errors
 /// [`OutputFull`] where the frame does not fit `out`.
 pub fn write<L: Level, C: Coder<L>>(
-    header: Header,
+    header: Header<impl GeometryFields>,
     image: ImageView<'_, L>,
     coder: &mut C,
     out: &mut [u8],
 ) -> Result<usize, OutputFull> {
-    let (head, rest) = out.split_at_mut_checked(HEADER_LEN).ok_or(OutputFull)?;
+    let header_len = header.geometry.header_len();
+    let (head, rest) = out.split_at_mut_checked(header_len).ok_or(OutputFull)?;
     let (strip_head, payload) = rest.split_at_mut_checked(STRIP_HEADER_LEN).ok_or(OutputFull)?;
     let payload_len = coder.encode(image, payload)?;
-    let checked_len = HEADER_LEN + STRIP_HEADER_LEN + payload_len;
-    let header = Header { coder: C::ID, ..header };
-    head.copy_from_slice(&header.to_bytes(to_u32(checked_len + CHECKSUM_LEN)?, 1));
+    let checked_len = header_len + STRIP_HEADER_LEN + payload_len;
+    Header { coder: C::ID, ..header }.put(to_u32(checked_len + CHECKSUM_LEN)?, 1, head);
     put_strip_header(header.columns, to_u32(payload_len)?, strip_head);
     let (checked, after) = out.split_at_mut_checked(checked_len).ok_or(OutputFull)?;
     Sink::new(after).put_all(&CRC.checksum(checked).to_le_bytes())?;
@@ -140,6 +138,7 @@ pub struct ParsedFrame<'a> {
     /// The header.
     pub header: Header,
     strips: u16,
+    table: &'a [u8],
     body: &'a [u8],
 }
 
@@ -175,7 +174,7 @@ pub fn frame_len(bytes: &[u8]) -> Result<usize, DecodeError> {
 /// # Errors
 /// Any [`DecodeError`] but those of strips, payload and checksum.
 pub fn parse_header(bytes: &[u8]) -> Result<Header, DecodeError> {
-    header_fields(bytes).map(|(header, _, _)| header)
+    header_fields(bytes).map(|start| start.header)
 }
 
 /// Checks that `bytes` are exactly one frame: header, lengths, checksum.
@@ -183,7 +182,7 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, DecodeError> {
 /// # Errors
 /// Any [`DecodeError`] but those of strips and payload.
 pub fn parse(bytes: &[u8]) -> Result<ParsedFrame<'_>, DecodeError> {
-    let (header, frame_len, strips) = header_fields(bytes)?;
+    let Start { header, header_len, frame_len, strips } = header_fields(bytes)?;
     check_frame_len(frame_len, bytes.len())?;
     let (body, stored) = bytes.split_at(frame_len - CHECKSUM_LEN);
     let stored = Fields { bytes: stored, at: 0 }.u32()?;
@@ -191,7 +190,8 @@ pub fn parse(bytes: &[u8]) -> Result<ParsedFrame<'_>, DecodeError> {
     if stored != computed {
         return Err(DecodeError::Checksum { stored, computed });
     }
-    Ok(ParsedFrame { header, strips, body: body.get(HEADER_LEN..).unwrap_or_default() })
+    let (head, body) = body.split_at(header_len);
+    Ok(ParsedFrame { header, strips, table: head.get(BeamsHeader::HEADER_LEN..).unwrap_or_default(), body })
 }
 
 fn check_frame_len(frame_len: usize, have: usize) -> Result<(), DecodeError> {
@@ -202,15 +202,24 @@ fn check_frame_len(frame_len: usize, have: usize) -> Result<(), DecodeError> {
     }
 }
 
-fn header_fields(bytes: &[u8]) -> Result<(Header, usize, u16), DecodeError> {
+/// What the start of a frame says.
+struct Start {
+    header: Header,
+    header_len: usize,
+    frame_len: usize,
+    strips: u16,
+}
+
+fn header_fields(bytes: &[u8]) -> Result<Start, DecodeError> {
     let mut fields = Fields { bytes, at: 0 };
     check_start(&mut fields)?;
-    if bytes.len() < HEADER_LEN {
-        return Err(DecodeError::Truncated { need: HEADER_LEN, have: bytes.len() });
-    }
-    let placement = placement_of(fields.u8()?)?;
-    expect(HeaderField::HeaderLen, u32::from(fields.u16()?), |len| len as usize == HEADER_LEN)?;
-    let frame_len = expect(HeaderField::FrameLen, fields.u32()?, |len| len as usize >= OVERHEAD_LEN)?;
+    check_have(bytes, HEADER_LEN)?;
+    let flags = fields.u8()?;
+    let header_len = expect(HeaderField::HeaderLen, fields.u16()?, |len| usize::from(len) >= HEADER_LEN)?;
+    let header_len = usize::from(header_len);
+    check_have(bytes, header_len)?;
+    let least_len = header_len + STRIP_HEADER_LEN + CHECKSUM_LEN;
+    let frame_len = expect(HeaderField::FrameLen, fields.u32()?, |len| len as usize >= least_len)?;
     let (sequence, timestamp_ns) = (fields.u32()?, fields.u64()?);
     let rows = expect(HeaderField::Rows, fields.u16()?, |rows| rows > 0)?;
     let columns = expect(HeaderField::Columns, fields.u16()?, |columns| columns > 0)?;
@@ -221,12 +230,14 @@ fn header_fields(bytes: &[u8]) -> Result<(Header, usize, u16), DecodeError> {
     let strips = expect(HeaderField::Strips, fields.u16()?, |strips| (1..=columns).contains(&strips))?;
     let quantizer = quantizer_of(level_bits, fields.u32()?, fields.u32()?)?;
     let returns = fields.u32()?;
-    expect(HeaderField::GeometryKind, fields.u8()?, |kind| kind == GEOMETRY_UNIFORM)?;
-    expect(HeaderField::Reserved, fields.u8()?, |zero| zero == 0)?;
-    expect(HeaderField::Reserved, fields.u16()?, |zero| zero == 0)?;
-    let view = view_of(&mut fields)?;
-    let header = Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, view, placement };
-    Ok((header, frame_len as usize, strips))
+    let (geometry, expected_len) = geometry::parse(&mut fields, flags, rows)?;
+    expect(HeaderField::HeaderLen, header_len as u32, |len| len as usize == expected_len)?;
+    let header = Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, geometry };
+    Ok(Start { header, header_len, frame_len: frame_len as usize, strips })
+}
+
+fn check_have(bytes: &[u8], need: usize) -> Result<(), DecodeError> {
+    if bytes.len() < need { Err(DecodeError::Truncated { need, have: bytes.len() }) } else { Ok(()) }
 }
 
 fn check_start(fields: &mut Fields<'_>) -> Result<(), DecodeError> {
@@ -241,14 +252,6 @@ fn check_start(fields: &mut Fields<'_>) -> Result<(), DecodeError> {
     Ok(())
 }
 
-fn placement_of(flags: u8) -> Result<Placement, DecodeError> {
-    match flags {
-        0 => Ok(Placement::Center),
-        CORNER_FLAG => Ok(Placement::Corner),
-        _ => Err(DecodeError::Header { field: HeaderField::Flags, found: flags.into() }),
-    }
-}
-
 fn quantizer_of(level_bits: u8, step_bits: u32, bound_bits: u32) -> Result<Quantizer, DecodeError> {
     let quantizer = Quantizer::from_step(level_bits.into(), f32::from_bits(step_bits))
         .ok_or(DecodeError::Header { field: HeaderField::Step, found: step_bits })?;
@@ -256,22 +259,17 @@ fn quantizer_of(level_bits: u8, step_bits: u32, bound_bits: u32) -> Result<Quant
     Ok(quantizer)
 }
 
-fn view_of(fields: &mut Fields<'_>) -> Result<UniformView, DecodeError> {
-    let found = fields.u32()?;
-    let mut next = || fields.u32().map(f32::from_bits);
-    let (bottom_rad, start_rad, span_rad) = (next()?, next()?, next()?);
-    let view = UniformView { top_rad: f32::from_bits(found), bottom_rad, start_rad, span_rad };
-    match view.check() {
-        Ok(()) => Ok(view),
-        Err(_) => Err(DecodeError::Header { field: HeaderField::GeometryView, found }),
-    }
-}
-
 fn expect<T: Copy + Into<u32>>(field: HeaderField, found: T, right: impl Fn(T) -> bool) -> Result<T, DecodeError> {
     if right(found) { Ok(found) } else { Err(DecodeError::Header { field, found: found.into() }) }
 }
 
 impl<'a> ParsedFrame<'a> {
+    /// The beams that the header carries, 20 bytes each; nothing where it carries none.
+    #[must_use]
+    pub const fn table(&self) -> &'a [u8] {
+        self.table
+    }
+
     /// The strips in order; checked to cover every column once, and nothing to follow the last.
     pub fn strips(&self) -> impl Iterator<Item = Result<Strip<'a>, DecodeError>> + use<'a> {
         let (header, mut left, mut next_column) = (self.header, self.strips, 0);

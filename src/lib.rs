@@ -50,6 +50,7 @@ pub mod coder;
 mod config;
 mod encoder;
 mod error;
+mod fit;
 pub mod frame;
 pub mod geometry;
 mod image;
@@ -62,6 +63,8 @@ mod tally;
 
 #[cfg(feature = "std")]
 pub mod calibrate;
+#[cfg(feature = "std")]
+mod choose;
 #[cfg(feature = "std")]
 mod decoder;
 #[cfg(feature = "std")]
@@ -76,10 +79,11 @@ pub mod simulate;
 pub use coder::{
     Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
 };
-pub use config::{Config, Scale};
+pub use config::{Config, LatticeConfig, Scale, Settings};
 pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
 pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};
-pub use frame::Header;
+pub use fit::{GridFit, NoFit, Residual};
+pub use frame::{Geometry, Header};
 pub use geometry::{Placement, UniformGrid, UniformView};
 pub use image::{ImageView, ImageViewMut, Level, RangeImage};
 pub use insert::{Collision, OutOfView, Policy};
@@ -87,5 +91,7 @@ pub use point::{BLOCK_LEN, Block, Points, StridedPoints};
 pub use quantize::{OutOfScale, Quantizer};
 pub use tally::Tally;
 
+#[cfg(feature = "std")]
+pub use choose::{Advice, GeometryChoice, Trial, choose_geometry};
 #[cfg(feature = "std")]
 pub use decoder::{Decoder, Frame, Levels, Limits};

@@ -53,6 +53,21 @@ impl Quantizer {
         }
     }
 
+    /// Levels of `level_bits` bits that are `step_m` meters apart.
+    ///
+    /// # Errors
+    /// [`ConfigError::LevelBits`] unless 1 <= `level_bits` <= 16; [`ConfigError::MaxRange`] unless `step_m` is positive
+    /// and finite and so is the largest range.
+    pub const fn with_step(level_bits: u32, step_m: f32) -> Result<Self, ConfigError> {
+        if level_bits < 1 || level_bits > 16 {
+            return Err(ConfigError::LevelBits { found: level_bits, min: 1, max: 16 });
+        }
+        match Self::from_step(level_bits, step_m) {
+            Some(quantizer) => Ok(quantizer),
+            None => Err(ConfigError::MaxRange { found_m: step_m * ((1_u32 << level_bits) - 1) as f32 }),
+        }
+    }
+
     /// Levels of `level_bits` bits (1 to 16) that are `step_m` meters apart. `None` where the step is not positive
     /// and finite, or so extreme that its inverse or largest range is not.
     #[must_use]

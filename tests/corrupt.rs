@@ -4,9 +4,10 @@
 
 mod common;
 
+use flicr::geometry::{Lattice, sensors};
 use flicr::{
-    Coder, CoderId, Config, DecodeError, Decoder, DeflateSmall, HeaderField, ImageViewMut, LimitKind, Limits,
-    PayloadFault, Rle, Stamp, Store, encode, frame,
+    Coder, CoderId, Config, DecodeError, Decoder, DeflateSmall, HeaderField, ImageViewMut, LatticeConfig, LimitKind,
+    Limits, PayloadFault, Rle, Scale, Stamp, Store, encode, frame,
 };
 use proptest::prelude::*;
 
@@ -22,8 +23,27 @@ fn frame_by<C: Coder<u8>>(mut coder: C) -> Vec<u8> {
     out
 }
 
-fn frames() -> [Vec<u8>; 3] {
-    [frame_by(Store::new()), frame_by(Rle::new()), frame_by(DeflateSmall::new())]
+/// On a sensor's own grid: known by its checksum, and with its beams.
+fn grid_frame(table: bool) -> Vec<u8> {
+    let lattice = Lattice::<66>::new(sensors::hdl64e::GRID, COLUMNS).unwrap();
+    let config = LatticeConfig {
+        table,
+        scale: Scale::Fixed { max_range_m: 80.0 },
+        level_bits: 8,
+        ..LatticeConfig::new(&lattice)
+    };
+    let mut levels = vec![0_u8; 64 * COLUMNS];
+    let image = ImageViewMut::new(&mut levels, COLUMNS).unwrap();
+    let mut out = vec![0; config.worst_case_len::<u8, Rle>()];
+    let points = common::spiral(800);
+    let encoded = encode(&config, points.as_slice(), Stamp::default(), image, &mut Rle::new(), &mut out).unwrap();
+    out.truncate(encoded.len);
+    out
+}
+
+fn frames() -> [Vec<u8>; 5] {
+    let deflate = frame_by(DeflateSmall::new());
+    [frame_by(Store::new()), frame_by(Rle::new()), deflate, grid_frame(false), grid_frame(true)]
 }
 
 fn error(bytes: &[u8]) -> DecodeError {
@@ -116,6 +136,49 @@ fn wrong_header_fields_are_named() {
         let found = error(&with(&bytes, at, new));
         assert!(matches!(found, DecodeError::Header { field, .. } if field == expected), "{at}: {found:?}");
         assert!(found.to_string().contains(&format!("{expected:?}")));
+    }
+}
+
+#[test]
+fn wrong_fields_of_a_grid_are_named() {
+    let (nan, bytes) = (f32::NAN.to_le_bytes(), grid_frame(true));
+    let cases: [(usize, &[u8], HeaderField); 16] = [
+        (5, &[1], HeaderField::Flags),
+        (6, &[72, 0], HeaderField::HeaderLen),
+        (6, &[64, 0], HeaderField::HeaderLen),
+        (24, &[63, 0], HeaderField::HeaderLen),
+        (24, &[1, 4], HeaderField::Rows),
+        (44, &[0], HeaderField::Reserved),
+        (45, &[4], HeaderField::GeometryFlags),
+        (45, &[0], HeaderField::HeaderLen),
+        (46, &[2], HeaderField::ColumnMode),
+        (47, &[1], HeaderField::Reserved),
+        (52, &[0; 4], HeaderField::Ticks),
+        (52, &[0xff; 4], HeaderField::Ticks),
+        (56, &nan, HeaderField::RangeUnit),
+        (60, &nan, HeaderField::GeometryView),
+        (64, &nan, HeaderField::PointBound),
+        (68, &[1], HeaderField::Reserved),
+    ];
+    for (at, new, expected) in cases {
+        let found = error(&with(&bytes, at, new));
+        assert!(matches!(found, DecodeError::Header { field, .. } if field == expected), "{at}: {found:?}");
+    }
+    let sealed_error = |at, new: &[u8]| error(&sealed(with(&bytes, at, new)));
+    // Any change of the grid is noticed, though header and frame are whole.
+    for at in [48, 52, 56, 60, 45] {
+        let found = sealed_error(at, &[bytes[at] ^ 1]);
+        assert!(matches!(found, DecodeError::Header { field: HeaderField::Sensor, .. }), "{at}: {found:?}");
+    }
+    assert_eq!(sealed_error(72 + 20 * 9, &nan), DecodeError::Header { field: HeaderField::Beam, found: 9 });
+    assert!(matches!(sealed_error(72 + 4, &[0; 4]), DecodeError::Header { field: HeaderField::Sensor, .. }));
+    let bare = grid_frame(false);
+    let found = error(&sealed(with(&bare, 48, &[1, 2, 3, 4])));
+    assert_eq!(found, DecodeError::UnknownSensor { sensor: 0x0403_0201 });
+    // A known sensor, but not of this many beams, ticks...
+    for (at, new) in [(24, &[63, 0]), (52, &[1, 2])] {
+        let found = error(&sealed(with(&bare, at, new)));
+        assert!(matches!(found, DecodeError::Header { field: HeaderField::Sensor, .. }), "{at}: {found:?}");
     }
 }
 
@@ -236,8 +299,13 @@ proptest! {
     }
 
     #[test]
-    fn random_bytes_behind_a_right_start(mut bytes in prop::collection::vec(any::<u8>(), 60..400), keep in 5_usize..64) {
-        let [good, ..] = frames();
+    fn random_bytes_behind_a_right_start(
+        mut bytes in prop::collection::vec(any::<u8>(), 60..400),
+        keep in 5_usize..80,
+        which in 0_usize..5,
+    ) {
+        let good = frames()[which].clone();
+        let keep = keep.min(good.len());
         let keep = keep.min(bytes.len());
         bytes[..keep].copy_from_slice(&good[..keep]);
         let _ = Decoder::default().decode(&bytes);

@@ -28,6 +28,14 @@ fn the_worked_example_decodes_as_it_says() {
 }
 
 #[test]
+fn checksums_of_built_in_sensors_are_those_listed() {
+    for grid in flicr::geometry::sensors::ALL {
+        let line = format!("| {} | `{:08x}` |", grid.name, grid.checksum());
+        assert!(FORMAT.contains(&line), "{line}");
+    }
+}
+
+#[test]
 fn the_worked_example_is_what_the_encoder_writes() {
     let config = Config {
         view: UniformView { top_rad: 0.5, bottom_rad: -0.5, start_rad: 0.0, span_rad: 1.0 },

@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::statistics::Statistics;
-use flicr::geometry::sensors::{Beam, hdl64e};
+use flicr::geometry::{Beam, sensors::hdl64e};
 use flicr::simulate::{EgoMotion, Return, Sensor, Simulator, Turn};
 
 /// `codec.md`'s way from a point to (tick, count), written on its own: nothing is shared with the

@@ -28,7 +28,7 @@ impl fmt::Display for Usage {
             Self::NotText => f.write_str("an argument is not UTF-8"),
             Self::Columns => f.write_str("COLUMNS is no number"),
             Self::TooManyColumns => write!(f, "COLUMNS must be 1 to {}", super::COLUMNS_MAX),
-            Self::Coder => f.write_str("CODER must be store, rle, deflate, deflate-small or deflate-dense"),
+            Self::Coder => f.write_str("CODER must be store, rle, deflate, deflate-small, deflate-dense or lattice"),
             Self::MaxRange => f.write_str("MAX_RANGE_M is no number"),
             Self::PathTooLong => f.write_str("a path is too long"),
         }
@@ -42,6 +42,8 @@ pub enum CoderName {
     Deflate,
     DeflateSmall,
     DeflateDense,
+    /// Run lengths on the sensor's own grid.
+    Lattice,
 }
 
 impl FromStr for CoderName {
@@ -54,6 +56,7 @@ impl FromStr for CoderName {
             "deflate" => Ok(Self::Deflate),
             "deflate-small" => Ok(Self::DeflateSmall),
             "deflate-dense" => Ok(Self::DeflateDense),
+            "lattice" => Ok(Self::Lattice),
             _ => Err(Usage::Coder),
         }
     }
@@ -67,6 +70,7 @@ impl fmt::Display for CoderName {
             Self::Deflate => "deflate",
             Self::DeflateSmall => "deflate-small",
             Self::DeflateDense => "deflate-dense",
+            Self::Lattice => "lattice",
         })
     }
 }

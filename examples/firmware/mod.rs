@@ -11,9 +11,10 @@ mod stage;
 
 use core::fmt;
 
+use flicr::geometry::{Lattice, sensors::hdl64e};
 use flicr::{
-    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, EncodeError, Encoded, FrameEncoder, ImageViewMut, Rle,
-    Scale, Stamp, Store, frame,
+    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, EncodeError, Encoded, FrameEncoder, ImageViewMut,
+    LatticeConfig, Rle, Scale, Settings, Stamp, Store, frame,
 };
 
 use host::{PIECE_LEN, Scan, print_line, write_frame};
@@ -46,6 +47,13 @@ const fn max(lengths: [usize; 5]) -> usize {
     }
     longest
 }
+
+/// The HDL-64E's own grid at every tick, in flash.
+static LATTICE: Lattice<66> = match Lattice::new(hdl64e::GRID, LATTICE_COLUMNS) {
+    Ok(lattice) => lattice,
+    Err(_) => panic!("checked at compile time"),
+};
+const LATTICE_COLUMNS: usize = 4000;
 
 /// All the memory that encoding takes, for the largest frame: to be kept in a `static`. A device that knows its frame
 /// size uses `flicr::Encoder<ROWS, COLUMNS, ...>` in its place; one image that is borrowed at any size is for those
@@ -134,12 +142,16 @@ fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault>
         let levels = levels.get_mut(..ROWS * job.columns).ok_or(Usage::TooManyColumns)?;
         let image = ImageViewMut::new(levels, job.columns).ok_or(Usage::TooManyColumns)?;
         let scan = Scan::open(job.scan, piece)?;
+        let scale = Scale::Fixed { max_range_m: job.max_range_m };
+        let uniform = Config { scale, ..Config::UNIFORM };
+        let on_grid = LatticeConfig { scale, level_bits: u8::BITS, ..LatticeConfig::new(&LATTICE) };
         match job.coder {
-            CoderName::Store => encode_one(board, &job, scan, image, store, frame)?,
-            CoderName::Rle => encode_one(board, &job, scan, image, rle, frame)?,
-            CoderName::Deflate => encode_one(board, &job, scan, image, deflate, frame)?,
-            CoderName::DeflateSmall => encode_one(board, &job, scan, image, deflate_small, frame)?,
-            CoderName::DeflateDense => encode_one(board, &job, scan, image, deflate_dense, frame)?,
+            CoderName::Store => encode_one(board, &job, &uniform, scan, image, store, frame)?,
+            CoderName::Rle => encode_one(board, &job, &uniform, scan, image, rle, frame)?,
+            CoderName::Deflate => encode_one(board, &job, &uniform, scan, image, deflate, frame)?,
+            CoderName::DeflateSmall => encode_one(board, &job, &uniform, scan, image, deflate_small, frame)?,
+            CoderName::DeflateDense => encode_one(board, &job, &uniform, scan, image, deflate_dense, frame)?,
+            CoderName::Lattice => encode_one(board, &job, &on_grid, scan, image, rle, frame)?,
         }
     }
     Ok(())
@@ -148,15 +160,15 @@ fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault>
 fn encode_one<B: Board, C: Coder<u8>>(
     board: &mut B,
     job: &Job<'_>,
+    config: &impl Settings,
     mut scan: Scan<'_>,
     image: ImageViewMut<'_, u8>,
     coder: &mut C,
     out: &mut [u8],
 ) -> Result<(), Fault> {
-    let config = Config { scale: Scale::Fixed { max_range_m: job.max_range_m }, ..Config::UNIFORM };
     let (mut project, mut code) = (Stage::new(), Stage::new());
 
-    let start = || FrameEncoder::start(&config, Stamp::default(), image, coder);
+    let start = || FrameEncoder::start(config, Stamp::default(), image, coder);
     let mut filling = project.run(board, B::project_pin, start)?;
     while let Some(points) = scan.next_points()? {
         project.run(board, B::project_pin, || filling.insert(&points));

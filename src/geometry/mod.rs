@@ -1,16 +1,29 @@
 //! Where a point falls in the range image, and where a pixel lies in space.
 //!
 //! A geometry is a set of rows (elevations) by columns (azimuths). [`UniformGrid`] is the paper's: both evenly
-//! spaced.
+//! spaced. [`Lattice`] is the sensor's own: its beams by its encoder's ticks, on which it loses no point.
 
 pub mod angles;
+mod beam;
+mod lattice;
 pub mod sensors;
 #[cfg(feature = "std")]
 mod sphere;
+#[cfg(feature = "std")]
+mod turn;
 mod uniform;
 
+pub use beam::{Beam, SensorGrid};
+#[cfg(not(target_arch = "arm"))]
+pub(crate) use lattice::Edge;
+pub use lattice::Lattice;
+pub(crate) use lattice::{BINS, BINS_FROM_M, Line, OnRows};
+#[cfg(feature = "std")]
+pub(crate) use lattice::{azimuth_rad, nearest_row};
 #[cfg(feature = "std")]
 pub(crate) use sphere::Sphere;
+#[cfg(feature = "std")]
+pub(crate) use turn::Turn;
 #[cfg(feature = "capi")]
 pub(crate) use uniform::check_size;
 pub use uniform::{Placement, UniformGrid, UniformView};

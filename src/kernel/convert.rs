@@ -23,3 +23,19 @@ pub(crate) fn to_index(v: f32, max: u32) -> u32 {
     // SAFETY: `v` is from 0 to 2^24, both comparisons being false for NaN.
     unsafe { v.to_int_unchecked::<i32>() as u32 }
 }
+
+/// The whole part of `v`, which is between -2^31 and 2^31; 0 for NaN.
+#[inline(always)]
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn to_angle(v: f32) -> i32 {
+    v as i32
+}
+
+/// The whole part of `v`, which is between -2^31 and 2^31; 0 for NaN.
+#[inline(always)]
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn to_angle(v: f32) -> i32 {
+    let v = if v.abs() < 2_147_483_520.0 { v } else { 0.0 };
+    // SAFETY: `v` is below 2^31 either way, the comparison being false for NaN.
+    unsafe { v.to_int_unchecked() }
+}

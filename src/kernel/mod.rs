@@ -1,9 +1,11 @@
 //! The hot loops, and the few machine instructions that core has no stable name for.
 
 mod convert;
+mod lattice;
 mod sqrt;
 mod uniform;
 
-pub(crate) use convert::to_index;
+pub(crate) use convert::{to_angle, to_index};
+pub(crate) use lattice::{miss_lattice, place_on_row, project_lattice};
 pub(crate) use sqrt::sqrt;
 pub(crate) use uniform::project_uniform;

@@ -15,7 +15,8 @@ mod grid;
 pub use file::SensorFileError;
 pub use grid::{Cell, Grid, Miss};
 
-pub use crate::geometry::sensors::Beam;
+pub use crate::geometry::Beam;
+use crate::geometry::SensorGrid;
 
 /// A sensor's grid: every return lies on (beam, encoder tick, range count).
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -28,4 +29,19 @@ pub struct Sensor {
     pub ticks_per_turn: u32,
     /// Length of one range count, metres.
     pub range_unit_m: f32,
+}
+
+impl Sensor {
+    /// The same, to project points with and to tell a decoder of. Ticks grow counterclockwise from +x.
+    #[must_use]
+    pub fn grid(&self) -> SensorGrid<'_> {
+        SensorGrid {
+            name: &self.name,
+            beams: &self.beams,
+            ticks: self.ticks_per_turn,
+            clockwise: false,
+            zero_rad: 0.0,
+            range_unit_m: self.range_unit_m,
+        }
+    }
 }

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 
 use super::shape::Ray;
-use crate::geometry::sensors::{Beam, hdl64e};
+use crate::geometry::Beam;
+use crate::geometry::sensors::hdl64e;
 
 /// What the simulator has to know about a spinning sensor.
 ///

@@ -2,9 +2,10 @@
 
 use std::fmt;
 
+use flicr::geometry::{Lattice, sensors::hdl64e};
 use flicr::{
-    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, FrameEncoder, ImageViewMut, Rle, Scale, Stamp, Store,
-    frame,
+    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, FrameEncoder, ImageViewMut, LatticeConfig, Rle, Scale,
+    Settings, Stamp, Store, frame,
 };
 
 const ROWS: usize = 64;
@@ -16,8 +17,8 @@ pub struct Frame {
     pub max_range_m: f32,
 }
 
-/// The paper's sizes with both of its coders, and each other coder at the largest and the smallest.
-pub const FRAMES: [Frame; 19] = [
+/// The paper's sizes with both of its coders, each other coder at the largest and the smallest, one on the sensor's own grid.
+pub const FRAMES: [Frame; 20] = [
     frame(4500, "rle"),
     frame(4096, "rle"),
     frame(2048, "rle"),
@@ -36,6 +37,8 @@ pub const FRAMES: [Frame; 19] = [
     frame(256, "deflate-dense"),
     frame(4500, "store"),
     frame(256, "store"),
+    // On the sensor's own grid.
+    frame(4000, "lattice"),
     // The firmware uses its memory again: nothing of the frames before may be left in it.
     Frame { columns: 1000, coder: "deflate", max_range_m: 50.0 },
 ];
@@ -54,21 +57,30 @@ impl Frame {
     /// The host's bytes.
     pub fn encode(&self, points: &[[f32; 4]]) -> Vec<u8> {
         match self.coder {
-            "store" => self.encode_with(Store::new(), points),
-            "rle" => self.encode_with(Rle::new(), points),
-            "deflate" => self.encode_with(DeflateDefault::new(), points),
-            "deflate-small" => self.encode_with(DeflateSmall::new(), points),
-            "deflate-dense" => self.encode_with(DeflateDense::new(), points),
+            "store" => self.encode_with(Store::new(), &self.uniform(), points),
+            "rle" => self.encode_with(Rle::new(), &self.uniform(), points),
+            "deflate" => self.encode_with(DeflateDefault::new(), &self.uniform(), points),
+            "deflate-small" => self.encode_with(DeflateSmall::new(), &self.uniform(), points),
+            "deflate-dense" => self.encode_with(DeflateDense::new(), &self.uniform(), points),
+            "lattice" => {
+                let lattice = Lattice::<66>::new(hdl64e::GRID, self.columns).expect("a valid grid");
+                let scale = self.uniform().scale;
+                let config = LatticeConfig { scale, level_bits: u8::BITS, ..LatticeConfig::new(&lattice) };
+                self.encode_with(Rle::new(), &config, points)
+            }
             other => unreachable!("no coder {other}"),
         }
     }
 
-    fn encode_with<C: Coder<u8>>(&self, mut coder: C, points: &[[f32; 4]]) -> Vec<u8> {
+    fn uniform(&self) -> Config {
+        Config { scale: Scale::Fixed { max_range_m: self.max_range_m }, ..Config::UNIFORM }
+    }
+
+    fn encode_with<C: Coder<u8>>(&self, mut coder: C, config: &impl Settings, points: &[[f32; 4]]) -> Vec<u8> {
         let mut levels = vec![0; ROWS * self.columns];
         let mut out = vec![0; frame::worst_case_len::<u8, C>(levels.len())];
         let image = ImageViewMut::new(&mut levels, self.columns).expect("whole rows");
-        let config = Config { scale: Scale::Fixed { max_range_m: self.max_range_m }, ..Config::UNIFORM };
-        let mut filling = FrameEncoder::start(&config, Stamp::default(), image, &mut coder).expect("a valid frame");
+        let mut filling = FrameEncoder::start(config, Stamp::default(), image, &mut coder).expect("a valid frame");
         filling.insert(points);
         let encoded = filling.finish(&mut out).expect("the worst case fits");
         out.truncate(encoded.len);

@@ -7,6 +7,7 @@ mod calibrate;
 mod common;
 mod files;
 mod geometry;
+mod lattice;
 mod metrics;
 mod paper;
 mod simulate;
@@ -27,6 +28,13 @@ const TESTS: &[(&str, fn())] = &[
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),
+    (
+        "lattice::every_point_is_on_its_beam_tick_and_count",
+        lattice::every_point_of_the_raw_scans_is_on_its_beam_tick_and_count,
+    ),
+    ("lattice::raw_scans_come_back_to_the_millimeter", lattice::raw_scans_come_back_to_the_millimeter),
+    ("lattice::few_points_are_lost_on_other_columns", lattice::few_points_are_lost_on_other_columns),
+    ("lattice::raw_scans_are_told_to_be_on_the_grid", lattice::raw_scans_are_told_to_be_on_the_grid),
     ("metrics::agree_with_scipy", metrics::agree_with_scipy),
     ("paper::presets_lose_and_err_as_the_paper_does", paper::presets_lose_and_err_as_the_paper_does),
     ("simulate::the_beam_table_is_the_fit", simulate::the_beam_table_is_the_fit),

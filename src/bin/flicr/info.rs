@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flicr::files::{self, PointCloud};
-use flicr::{Decoder, Header, Levels, Limits, Placement, frame};
+use flicr::frame::UniformHeader;
+use flicr::geometry::sensors;
+use flicr::{Decoder, Geometry, Header, Levels, Limits, Placement, frame};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -68,6 +70,73 @@ struct Place {
     bytes: usize,
 }
 
+/// Where pixels lie.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum GeometryInfo {
+    Uniform {
+        top_deg: f32,
+        bottom_deg: f32,
+        start_deg: f32,
+        span_deg: f32,
+        placement: &'static str,
+    },
+    Beams {
+        sensor: String,
+        ticks: u32,
+        clockwise: bool,
+        range_unit_m: f32,
+        /// None where it was not measured.
+        point_bound_m: Option<f32>,
+    },
+    Other,
+}
+
+impl GeometryInfo {
+    fn new(geometry: Geometry) -> Self {
+        match geometry {
+            Geometry::Uniform(UniformHeader { view, placement }) => Self::Uniform {
+                top_deg: view.top_rad.to_degrees(),
+                bottom_deg: view.bottom_rad.to_degrees(),
+                start_deg: view.start_rad.to_degrees(),
+                span_deg: view.span_rad.to_degrees(),
+                placement: placement_word(placement),
+            },
+            Geometry::Beams(beams) => Self::Beams {
+                sensor: sensor_name(beams.sensor),
+                ticks: beams.ticks,
+                clockwise: beams.clockwise,
+                range_unit_m: beams.range_unit_m,
+                point_bound_m: Some(beams.point_bound_m).filter(|bound_m| bound_m.is_finite()),
+            },
+            _ => Self::Other,
+        }
+    }
+
+    fn text(&self, rows: u16, columns: u16, range_bound_m: f32) -> String {
+        match self {
+            Self::Uniform { top_deg, bottom_deg, start_deg, span_deg, placement } => format!(
+                "{rows} rows from {top_deg:+.2} to {bottom_deg:+.2} degrees, {columns} columns from {start_deg:+.2} over {span_deg:.2} degrees\n  \
+                 points at the {placement} of their pixels, ranges within {range_bound_m:.4} m"
+            ),
+            Self::Beams { sensor, ticks, point_bound_m, .. } => {
+                let bound = point_bound_m.map_or_else(String::new, |bound_m| format!(", points within {bound_m:.4} m"));
+                format!(
+                    "{rows} beams of {sensor}, {columns} columns over its {ticks} ticks\n  \
+                     ranges within {range_bound_m:.4} m{bound}"
+                )
+            }
+            Self::Other => format!("{rows} rows, {columns} columns"),
+        }
+    }
+}
+
+/// The name of a built-in sensor, else the checksum of its grid.
+fn sensor_name(sensor: u32) -> String {
+    let known = sensors::ALL.iter().find(|grid| grid.checksum() == sensor);
+    known.map_or_else(|| format!("sensor {sensor:08x}"), |grid| grid.name.to_owned())
+}
+
 #[derive(Debug, Serialize)]
 struct FrameInfo {
     #[serde(flatten)]
@@ -76,11 +145,8 @@ struct FrameInfo {
     timestamp_ns: u64,
     rows: u16,
     columns: u16,
-    top_deg: f32,
-    bottom_deg: f32,
-    start_deg: f32,
-    span_deg: f32,
-    placement: &'static str,
+    #[serde(flatten)]
+    geometry: GeometryInfo,
     bits: u32,
     step_m: f32,
     max_range_m: f32,
@@ -95,19 +161,14 @@ impl FrameInfo {
     fn new(decoder: &mut Decoder, bytes: &[u8]) -> Result<Self, flicr::DecodeError> {
         let strips = frame::parse(bytes)?.strips().count();
         let frame = decoder.decode(bytes)?;
-        let Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, view, placement, .. } =
-            *frame.header();
+        let Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, geometry, .. } = *frame.header();
         Ok(Self {
             place: Place::default(),
             sequence,
             timestamp_ns,
             rows,
             columns,
-            top_deg: view.top_rad.to_degrees(),
-            bottom_deg: view.bottom_rad.to_degrees(),
-            start_deg: view.start_rad.to_degrees(),
-            span_deg: view.span_rad.to_degrees(),
-            placement: placement_word(placement),
+            geometry: GeometryInfo::new(geometry),
             bits: quantizer.level_bits(),
             step_m: quantizer.step_m(),
             max_range_m: quantizer.max_range_m(),
@@ -120,15 +181,11 @@ impl FrameInfo {
     }
 
     fn text(&self) -> String {
-        let Self { place: Place { file, frame, offset, bytes }, rows, columns, placement, coder, .. } = self;
+        let Self { place: Place { file, frame, offset, bytes }, rows, columns, coder, .. } = self;
         let lines = [
             format!("{file}: frame {frame}, {} bytes from byte {}", group(*bytes), group(*offset)),
             format!("sequence {}, time {} ns", self.sequence, self.timestamp_ns),
-            format!(
-                "{rows} rows from {:+.2} to {:+.2} degrees, {columns} columns from {:+.2} over {:.2} degrees",
-                self.top_deg, self.bottom_deg, self.start_deg, self.span_deg
-            ),
-            format!("points at the {placement} of their pixels, ranges within {:.4} m", self.range_bound_m),
+            self.geometry.text(*rows, *columns, self.range_bound_m),
             format!("{} bits in steps of {:.4} m, up to {:.2} m", self.bits, self.step_m, self.max_range_m),
             format!("coder {coder}, strips {}", self.strips),
             format!("{} returns, {} kept", group(self.returns as usize), group(self.kept)),

@@ -3,13 +3,23 @@
 //! The numbers were fitted by this project on raw KITTI scans and hold for every raw KITTI drive
 //! that was tried. Upper block: beams 0 to 31, lower block: beams 32 to 63.
 
-use super::Beam;
+use crate::geometry::{Beam, SensorGrid};
 
 /// Encoder ticks a turn: steps of 0.09 degrees.
 pub const TICKS: u32 = 4000;
 
 /// One range count, in meters.
 pub const RANGE_UNIT_M: f64 = 0.002;
+
+/// The grid of KITTI's unit.
+pub const GRID: SensorGrid<'static> = SensorGrid {
+    name: "HDL-64E (KITTI)",
+    beams: &BEAMS,
+    ticks: TICKS,
+    clockwise: false,
+    zero_rad: 0.0,
+    range_unit_m: RANGE_UNIT_M as f32,
+};
 
 /// A beam as the fit gives it: slope, vertical and horizontal offset in meters, azimuth phase in degrees, range phase in
 /// meters.

@@ -15,28 +15,11 @@ pub mod velodyne;
 use crate::packet::ModelFacts;
 use core::f64::consts::PI;
 
-/// One laser of a spinning sensor: how its lattice of (tick, range count) lies in space.
-///
-/// With range `d = count * unit + range_phase_m`, elevation `v = atan(slope)`,
-/// `vo = z_offset_m * cos(v)`, `h = h_offset_m` and `theta` the angle of [`Spin::theta_rad`]:
-///
-/// ```text
-/// a = d cos v - vo sin v       x = a cos theta + h sin theta
-/// z = d sin v + vo cos v       y = a sin theta - h cos theta
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Beam {
-    /// Tangent of the elevation.
-    pub slope: f32,
-    /// Height at which the beam, prolonged, crosses the spin axis, in meters.
-    pub z_offset_m: f32,
-    /// Sideways distance of the beam from the spin axis, in meters; positive to the right.
-    pub h_offset_m: f32,
-    /// What the beam adds to the column's angle, in radians, counterclockwise seen from above.
-    pub azimuth_phase_rad: f32,
-    /// What the beam adds to the range, in meters.
-    pub range_phase_m: f32,
-}
+pub use super::Beam;
+use super::SensorGrid;
+
+/// Those whose beams measure on one grid of encoder ticks: what a decoder finds by their checksum.
+pub static ALL: [&SensorGrid<'static>; 1] = [&hdl64e::GRID];
 
 /// How a sensor's ticks lie in the x-y plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
