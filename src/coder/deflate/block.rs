@@ -127,10 +127,7 @@ impl Codes {
 
     /// What the counted symbols take, without their extra bits, under codes of these lengths.
     fn cost_bits(&self, literal_lens: &[u8], distance_lens: &[u8]) -> usize {
-        let cost = |counts: &[u32], lens: &[u8]| -> usize {
-            counts.iter().zip(lens).map(|(&count, &len)| count as usize * usize::from(len)).sum()
-        };
-        cost(&self.literals, literal_lens) + cost(&self.distances, distance_lens)
+        cost_bits(&self.literals, literal_lens) + cost_bits(&self.distances, distance_lens)
     }
 
     #[inline(never)]
@@ -167,6 +164,11 @@ impl Codes {
         put_code(self.distances[distance.symbol], out)?;
         put_extra(distance, out)
     }
+}
+
+#[inline(never)]
+fn cost_bits(counts: &[u32], lens: &[u8]) -> usize {
+    counts.iter().zip(lens).map(|(&count, &len)| count as usize * usize::from(len)).sum()
 }
 
 #[inline(always)]
