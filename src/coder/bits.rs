@@ -34,7 +34,10 @@ pub struct Burst<'w, 'a> {
 }
 
 impl Burst<'_, '_> {
-    /// Appends the low `count` (at most 16) bits of `value`, whose other bits must be zero.
+    /// Most bits that may be put at once.
+    pub const MOST_BITS: u32 = HALF_BITS;
+
+    /// Appends the low `count` (at most [`MOST_BITS`](Self::MOST_BITS)) bits of `value`, whose other bits must be zero.
     ///
     /// # Errors
     /// [`OutputFull`] if the buffer cannot take them.

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 pub mod data;
+pub mod range_images;
 pub mod statistics;
 
 /// Points all around at all ranges, the same every time: a spiral over the band that an HDL-64E sees.

@@ -2,7 +2,7 @@
 
 use super::header::{CodeLengths, Header};
 use super::huffman::{self, Code, MAX_BITS, split};
-use super::symbols::{self, DISTANCES, END_OF_BLOCK, FIRST_LENGTH, LITERALS};
+use super::symbols::{self, DISTANCES, END_OF_BLOCK, Extra, FIRST_LENGTH, LITERALS};
 use crate::coder::OutputFull;
 use crate::coder::bits::{BitWriter, Burst};
 
@@ -127,10 +127,7 @@ impl Codes {
 
     /// What the counted symbols take, without their extra bits, under codes of these lengths.
     fn cost_bits(&self, literal_lens: &[u8], distance_lens: &[u8]) -> usize {
-        let cost = |counts: &[u32], lens: &[u8]| -> usize {
-            counts.iter().zip(lens).map(|(&count, &len)| count as usize * usize::from(len)).sum()
-        };
-        cost(&self.literals, literal_lens) + cost(&self.distances, distance_lens)
+        cost_bits(&self.literals, literal_lens) + cost_bits(&self.distances, distance_lens)
     }
 
     #[inline(never)]
@@ -161,12 +158,15 @@ impl Codes {
     #[inline(always)]
     fn write_match(&self, len_less_3: u8, distance_less_1: u32, out: &mut Burst<'_, '_>) -> Result<(), OutputFull> {
         let length = symbols::length(len_less_3);
-        put_code(self.literals[FIRST_LENGTH + length.symbol], out)?;
-        put_extra(length, out)?;
+        put_both(self.literals[FIRST_LENGTH + length.symbol], length, out)?;
         let distance = symbols::distance(distance_less_1);
-        put_code(self.distances[distance.symbol], out)?;
-        put_extra(distance, out)
+        put_both(self.distances[distance.symbol], distance, out)
     }
+}
+
+#[inline(never)]
+fn cost_bits(counts: &[u32], lens: &[u8]) -> usize {
+    counts.iter().zip(lens).map(|(&count, &len)| count as usize * usize::from(len)).sum()
 }
 
 #[inline(always)]
@@ -175,8 +175,14 @@ fn put_code(code: Code, out: &mut Burst<'_, '_>) -> Result<(), OutputFull> {
     out.put(bits, len)
 }
 
+/// A code and its symbol's extra bits, which take 28 bits at most.
 #[inline(always)]
-fn put_extra(extra: symbols::Extra, out: &mut Burst<'_, '_>) -> Result<(), OutputFull> {
+fn put_both(code: Code, extra: Extra, out: &mut Burst<'_, '_>) -> Result<(), OutputFull> {
+    let (bits, len) = split(code);
+    if Burst::MOST_BITS >= 28 {
+        return out.put(bits | extra.value << len, len + extra.bits);
+    }
+    out.put(bits, len)?;
     if extra.bits > 0 { out.put(extra.value, extra.bits) } else { Ok(()) }
 }
 

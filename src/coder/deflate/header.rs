@@ -59,6 +59,7 @@ impl<'a> CodeLengths<'a> {
 }
 
 /// Drops unused symbols from the end, but keeps `min` of them.
+#[inline(never)]
 fn trim(lens: &[u8], min: usize) -> &[u8] {
     let used = lens.iter().rposition(|&len| len > 0).map_or(0, |last| last + 1);
     lens.get(..used.max(min)).unwrap_or(lens)
@@ -67,6 +68,7 @@ fn trim(lens: &[u8], min: usize) -> &[u8] {
 impl Iterator for CodeLengths<'_> {
     type Item = Item;
 
+    #[inline(never)]
     fn next(&mut self) -> Option<Item> {
         if self.run == 0 {
             self.next_run()?;

@@ -304,13 +304,15 @@ mod tests {
 
         #[test]
         fn limited_codes_are_complete_and_nearly_optimal(
-            exponents in prop::collection::vec(prop::option::of(0_u32..18), 2..=SYMBOLS),
-            limit in 9_usize..=15,
+            (limit, counts) in prop_oneof![
+                (Just(15), prop::collection::vec(prop::option::of((0..18_u32).prop_map(|e| 1 << e)), 2..=SYMBOLS)),
+                (Just(7), prop::collection::vec(prop::option::of((0..9_u32).prop_map(|e| 1 << e)), 2..=19)),
+            ],
         ) {
-            let counts: Vec<u32> = exponents.iter().map(|e| e.map_or(0, |e| 1 << e)).collect();
+            let counts: Vec<u32> = counts.iter().map(|count| count.unwrap_or(0)).collect();
             prop_assume!(counts.iter().filter(|&&count| count > 0).count() >= 2);
             let (cost, least) = (check(&counts, limit), least_cost(&counts, limit));
-            prop_assert!(cost as f64 <= 1.05 * least as f64, "{cost} bits, {least} would do");
+            prop_assert!(cost as f64 <= 1.04 * least as f64, "{cost} bits, {least} would do");
         }
     }
 }

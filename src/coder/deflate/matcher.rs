@@ -185,7 +185,10 @@ fn load(bytes: &[u8], at: usize) -> Option<u32> {
 const WORD: usize = size_of::<usize>();
 
 /// How far the bytes at `at` equal those `distance` back, up to [`MAX_MATCH`].
-#[inline(never)]
+///
+/// Called at a dozen places: where flash is scarce one copy does, which Cortex-M also runs faster.
+#[cfg_attr(target_pointer_width = "64", inline(always))]
+#[cfg_attr(not(target_pointer_width = "64"), inline(never))]
 fn equal_len(bytes: &[u8], at: usize, distance: usize) -> usize {
     let (here, there) = (bytes.get(at..), bytes.get(at.wrapping_sub(distance)..));
     let (here, there) = (here.unwrap_or_default(), there.unwrap_or_default());

@@ -34,9 +34,12 @@ use symbols::MIN_MATCH;
 ///
 /// | profile | RAM | bytes, of zlib -6's | time, of zlib -6's |
 /// |---|---|---|---|
-/// | [`DeflateSmall`] | 13.5 KB | 0.97 (256 columns) to 1.06 (4500) | 0.24 (4500) to 0.6 (256) |
-/// | [`DeflateDefault`] | 56 KB | 0.97 (1024) to 1.02 (4096) | 0.21 (4500) to 0.5 (256) |
-/// | [`DeflateDense`] | 203 KB | 0.94 (2048) to 0.98 (256) | 0.3 (4500) to 0.7 (256) |
+/// | [`DeflateSmall`] | 13.5 KB | 0.97 to 1.06 | 0.25 to 0.6 |
+/// | [`DeflateDefault`] | 56.6 KB | 0.97 to 1.02 | 0.21 to 0.5 |
+/// | [`DeflateDense`] | 204 KB | 0.94 to 0.98 | 0.32 to 0.8 |
+///
+/// Medians over 29 KITTI scans as 8-bit images of 4500 to 256 columns; the times grow towards the narrow ones, where
+/// hardly a pixel is empty. Stack: less than 1.2 KB on Cortex-M.
 ///
 /// ```
 /// use flicr::DeflateSmall;
@@ -54,7 +57,7 @@ pub struct Deflate<const SHORT: usize, const LONG: usize, const WAYS: usize, con
     sequences: [Sequence; SEQUENCES],
 }
 
-/// The default: as fast as zlib -1, as small as zlib -6.
+/// The default: about the bytes of zlib -6 in a fraction of its time.
 pub type DeflateDefault = Deflate<4096, 8192, 1, 1024>;
 /// The profile for small parts.
 pub type DeflateSmall = Deflate<512, 512, 2, 512>;
