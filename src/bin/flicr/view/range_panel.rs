@@ -2,7 +2,7 @@
 
 use flicr::{Header, Level, Levels};
 
-use super::canvas::{Area, Canvas};
+use crate::canvas::{Area, Canvas};
 use super::color;
 
 const NO_RETURN: [u8; 3] = [0, 0, 0];

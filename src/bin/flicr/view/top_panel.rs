@@ -4,7 +4,7 @@ use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::prelude::{DrawTargetExt, Drawable, Point, Primitive, Size};
 use embedded_graphics::primitives::{Circle, PrimitiveStyle, Rectangle};
 
-use super::canvas::{Area, Canvas};
+use crate::canvas::{Area, Canvas};
 use super::color::HeightScale;
 
 const GROUND: [u8; 3] = [0, 0, 0];
