@@ -2,8 +2,12 @@
 
 #[path = "cli/bad_input.rs"]
 mod bad_input;
+#[path = "cli/calibrate.rs"]
+mod calibrate;
 #[path = "cli/eval.rs"]
 mod eval;
+#[path = "cli/picture.rs"]
+mod picture;
 #[path = "cli/round_trip.rs"]
 mod round_trip;
 #[path = "cli/run.rs"]

@@ -5,7 +5,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use flicr::{Config, Scale};
 
 use crate::failure::Failure;
-use crate::{decode, encode, eval, info, simulate, view};
+use crate::{calibrate, decode, encode, eval, info, simulate, view};
 
 /// LiDAR scans to a few kilobytes and back, with a known error.
 #[derive(Debug, Parser)]
@@ -22,6 +22,7 @@ Examples:
   flicr decode street.flicr -o back.pcd        and back
   flicr eval street.bin --columns 4500,256     what it costs and what it saves
   flicr view street.bin -o street.png          how it looks
+  flicr calibrate drive/*.bin -o sensor.toml   the sensor's own grid, from its scans
 
 Exit codes: 0 fine, 1 bad data, 2 bad usage.";
 
@@ -32,6 +33,7 @@ pub enum Command {
     Info(info::Info),
     Eval(eval::Eval),
     Simulate(simulate::Simulate),
+    Calibrate(calibrate::Calibrate),
     View(view::View),
 }
 
@@ -43,6 +45,7 @@ impl Command {
             Self::Info(info) => info.run(),
             Self::Eval(eval) => eval.run(),
             Self::Simulate(simulate) => simulate.run(),
+            Self::Calibrate(calibrate) => calibrate.run(),
             Self::View(view) => view.run(),
         }
     }

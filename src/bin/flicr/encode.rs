@@ -84,7 +84,7 @@ impl Run {
 
     fn encode(&mut self, scan: &Scan, input: &Path) -> Result<(), Failure> {
         let stamp = Stamp { sequence: self.sequence, timestamp_ns: scan.timestamp_ns };
-        let encoded = self.codec.encode(&scan.points, stamp).map_err(|error| Failure::data(input, error))?;
+        let encoded = self.codec.encode(&scan.cloud.points, stamp).map_err(|error| Failure::data(input, error))?;
         console::line_if_read(&self.bar, summary(input, self.sequence, &encoded))?;
         self.sequence += 1;
         Ok(())

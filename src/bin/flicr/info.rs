@@ -228,14 +228,14 @@ struct CloudInfo {
 impl CloudInfo {
     fn new(file: &Path, cloud: PointCloud) -> Self {
         let (intensities, rings) = (cloud.intensities.is_some(), cloud.rings.is_some());
-        let scan = Scan { points: cloud.points, timestamp_ns: 0 };
+        let scan = Scan { cloud, timestamp_ns: 0 };
         let returns = scan.returns();
         let extreme = |pick: fn(f32, f32) -> f32| {
             returns.iter().copied().reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1]), pick(a[2], b[2])])
         };
         Self {
             file: file.display().to_string(),
-            points: scan.points.len(),
+            points: scan.cloud.points.len(),
             returns: returns.len(),
             intensities,
             rings,

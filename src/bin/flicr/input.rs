@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use flicr::files::{self, Format};
+use flicr::files::{self, Format, PointCloud};
 
 use crate::failure::Failure;
 
@@ -14,8 +14,8 @@ pub const SCAN_EXTENSIONS: &str = ".bin, .xyzir.bin or .pcd";
 /// One turn of a sensor.
 #[derive(Debug, Clone, Default)]
 pub struct Scan {
-    /// As the file has them, those at the origin (no return) included.
-    pub points: Vec<[f32; 3]>,
+    /// As the file has them, points at the origin (no return) included.
+    pub cloud: PointCloud,
     /// When the turn began; 0 where the file does not say.
     pub timestamp_ns: u64,
 }
@@ -26,7 +26,7 @@ impl Scan {
         let measured = |&&[x, y, z]: &&[f32; 3]| {
             [x, y, z].iter().all(|coordinate| coordinate.is_finite()) && x * x + y * y + z * z > 0.0
         };
-        self.points.iter().filter(measured).copied().collect()
+        self.cloud.points.iter().filter(measured).copied().collect()
     }
 }
 
@@ -34,7 +34,7 @@ impl Scan {
 pub fn scans(file: &Path) -> Result<impl Iterator<Item = Result<Scan, Failure>>, Failure> {
     check_scan_extension(file)?;
     let cloud = files::read(file)?;
-    Ok(std::iter::once(Ok(Scan { points: cloud.points, timestamp_ns: 0 })))
+    Ok(std::iter::once(Ok(Scan { cloud, timestamp_ns: 0 })))
 }
 
 /// Refuses what [`scans`] would not know how to read, before any work is done.

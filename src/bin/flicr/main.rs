@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod calibrate;
+mod canvas;
 mod codec;
 mod console;
 mod decode;

@@ -1,6 +1,5 @@
 //! `flicr view`: a picture of a scan and of what a frame keeps of it.
 
-mod canvas;
 mod color;
 mod range_panel;
 mod top_panel;
@@ -11,13 +10,13 @@ use clap::Args;
 use flicr::{Decoder, Header, Levels, Limits, Stamp};
 
 use crate::args::{ColumnsArg, FrameArgs, word};
+use crate::canvas::{Area, Canvas};
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::frames::FrameFile;
 use crate::input;
 use crate::output::Outputs;
 use crate::table::grouped;
-use canvas::{Area, Canvas};
 use color::HeightScale;
 
 /// Write a PNG: the range image, and the original and decoded points from above
@@ -78,7 +77,7 @@ impl View {
         let scan = input::scans(&self.input)?.next().unwrap_or_else(|| Ok(input::Scan::default()))?;
         let mut codec = Codec::new(&self.frame, self.columns.columns)?;
         let wrong = |error| Failure::data(&self.input, error);
-        codec.encode(&scan.points, Stamp::default()).map_err(|error| Failure::data(&self.input, error))?;
+        codec.encode(&scan.cloud.points, Stamp::default()).map_err(|error| Failure::data(&self.input, error))?;
         let title = format!("{}, preset {}", name(&self.input), word(&self.frame.preset));
         Picture::new(&title, codec.frame(), Some(scan.returns())).map_err(wrong)
     }

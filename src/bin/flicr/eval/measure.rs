@@ -43,14 +43,14 @@ pub struct Measured {
 
 /// Encodes, decodes and compares.
 pub fn measure(codec: &mut Codec, scan: &Scan, file: &Path, args: &FrameArgs) -> Result<Measured, Failure> {
-    let (encoded, encode_ns) = fastest(|| codec.encode(&scan.points, Stamp::default()));
+    let (encoded, encode_ns) = fastest(|| codec.encode(&scan.cloud.points, Stamp::default()));
     let encoded = encoded.map_err(|error| Failure::data(file, error))?;
     let mut decoder = Decoder::new(Limits::default());
     let mut points = Vec::new();
     let (result, decode_ns) = fastest(|| decoder.decode(codec.frame()).map(|frame| frame.points_into(&mut points)));
     result.map_err(|error| Failure::data(file, error))?;
     let (se, epsnr_db, quality) = compare(scan, &points, &encoded).map_err(|error| Failure::data(file, error))?;
-    let (bytes, points_in_file) = (encoded.len as f64, scan.points.len() as f64);
+    let (bytes, points_in_file) = (encoded.len as f64, scan.cloud.points.len() as f64);
     Ok(Measured {
         file: file.display().to_string(),
         preset: word(&args.preset),

@@ -2,7 +2,7 @@
 
 use colorous::{Gradient, TURBO};
 
-use super::canvas::{Area, Canvas};
+use crate::canvas::{Area, Canvas};
 
 /// Where ranges have the first color and the last, meters; between them by the logarithm, for most points are near.
 const NEAR_M: f32 = 2.0;

@@ -2,8 +2,8 @@
 
 use flicr::{Header, Level, Levels};
 
-use super::canvas::{Area, Canvas};
 use super::color;
+use crate::canvas::{Area, Canvas};
 
 const NO_RETURN: [u8; 3] = [0, 0, 0];
 

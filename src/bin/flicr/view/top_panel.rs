@@ -4,8 +4,8 @@ use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::prelude::{DrawTargetExt, Drawable, Point, Primitive, Size};
 use embedded_graphics::primitives::{Circle, PrimitiveStyle, Rectangle};
 
-use super::canvas::{Area, Canvas};
 use super::color::HeightScale;
+use crate::canvas::{Area, Canvas};
 
 const GROUND: [u8; 3] = [0, 0, 0];
 const RING: Rgb888 = Rgb888::new(58, 62, 70);
