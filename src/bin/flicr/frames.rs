@@ -18,7 +18,7 @@ pub struct FrameFile {
 }
 
 impl FrameFile {
-    /// Reads a file and cuts it at the lengths its frames give themselves.
+    /// Reads a file and cuts it at the lengths its frames give themselves, as far as these can be believed.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = fs::read(path).map_err(|error| Failure::data(path, error))?;
         if bytes.is_empty() {
@@ -26,9 +26,8 @@ impl FrameFile {
         }
         let (mut cuts, mut damage, mut at) = (Vec::new(), None, 0);
         while at < bytes.len() && damage.is_none() {
-            match frame::frame_len(&bytes[at..]) {
-                // A frame that claims no length would never let the cutting end; decoding says what is wrong with it.
-                Ok(len) => cuts.push(at..at + len.max(frame::OVERHEAD_LEN).min(bytes.len() - at)),
+            match cut_one(&bytes[at..]) {
+                Ok(len) => cuts.push(at..at + len),
                 Err(error) => damage = Some(error),
             }
             at = cuts.last().map_or(at, |cut: &Range<usize>| cut.end);
@@ -73,4 +72,12 @@ impl FrameFile {
         let at = at.or_else(|| self.cuts.last().map(|cut| cut.end)).unwrap_or_default();
         Failure::data(&self.path, format_args!("frame {number} at byte {at}: {error}"))
     }
+}
+
+/// Length of the frame that `bytes` starts with. Its checksum is looked at: a damaged length would put the blame on the
+/// frame behind.
+fn cut_one(bytes: &[u8]) -> Result<usize, DecodeError> {
+    let len = frame::frame_len(bytes)?;
+    frame::parse(bytes.get(..len).unwrap_or_default())?;
+    Ok(len)
 }
