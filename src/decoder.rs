@@ -260,8 +260,26 @@ struct RowReturns {
     found: Vec<(u16, u16)>,
 }
 
-/// Pixels that are gathered together; that many entries are written behind the last return.
+/// Pixels that are gathered together; that many entries are written, however few of them are returns.
 const GATHERED: usize = 8;
+
+/// For each set of occupied pixels among eight (bit n = pixel n), their offsets in order.
+static OFFSETS: [[u8; GATHERED]; 256] = {
+    let mut offsets = [[0; GATHERED]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut taken, mut pixel) = (0, 0);
+        while pixel < GATHERED {
+            if set >> pixel & 1 == 1 {
+                offsets[set][taken] = pixel as u8;
+                taken += 1;
+            }
+            pixel += 1;
+        }
+        set += 1;
+    }
+    offsets
+};
 
 impl RowReturns {
     fn new(columns: usize) -> Self {
@@ -289,11 +307,10 @@ impl RowReturns {
         let Some(places) = self.found.get_mut(at..).and_then(|rest| rest.first_chunk_mut::<GATHERED>()) else {
             return 0;
         };
-        let mut taken = 0;
-        for (offset, &level) in (0..).zip(chunk) {
-            places[taken % GATHERED] = (first_column + offset, level.get());
-            taken += usize::from(level != L::NONE);
+        let occupied = (0..GATHERED).fold(0_u8, |set, pixel| set | u8::from(chunk[pixel] != L::NONE) << pixel);
+        for (place, &offset) in places.iter_mut().zip(&OFFSETS[usize::from(occupied)]) {
+            *place = (first_column + u16::from(offset), chunk[usize::from(offset) % GATHERED].get());
         }
-        taken
+        occupied.count_ones() as usize
     }
 }

@@ -147,13 +147,15 @@ fn nearest<L: Level>(old: L, new: L) -> L {
 
 /// Largest range among the points that are finite, meters; 0 where there is none.
 pub fn farthest_m(points: &(impl Points + ?Sized)) -> f32 {
-    let mut square = 0.0_f32;
-    points.for_each_block(|block, len| {
-        let xyz = block.x.iter().zip(&block.y).zip(&block.z);
-        for ((x, y), z) in xyz.take(len) {
+    // One maximum a lane, so that lanes go side by side. Lanes behind a block's points hold points seen before.
+    let mut squares = [0.0_f32; BLOCK_LEN];
+    points.for_each_block(|block, _| {
+        for (i, square) in squares.iter_mut().enumerate() {
+            let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
             let sum = x * x + y * y + z * z;
-            square = if sum > square && sum.is_finite() { sum } else { square };
+            *square = if sum > *square && sum < f32::INFINITY { sum } else { *square };
         }
     });
+    let square = squares.into_iter().fold(0.0, f32::max);
     crate::kernel::sqrt(square)
 }

@@ -110,7 +110,7 @@ fn begin<const LINES: usize, const NODES: usize>(lattice: &Lattice<'_, LINES, NO
         return (near_per_rho(lattice, rho_m), fan.starts[0]);
     }
     let bin = fan.bin - (z - fan.height_m) / (rho_m + fan.behind_m) * fan.bins_per_slope;
-    (1.0 / rho_m, fan.starts[(bin as i32).clamp(0, BINS as i32 - 1) as usize])
+    (1.0 / rho_m, fan.starts[(bin as usize).min(BINS - 1)])
 }
 
 /// Out of the way of the loop, which few points leave.
