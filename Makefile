@@ -20,8 +20,8 @@ setup: ## install what is missing: Rust targets, emulators, cross linkers
 demo: setup ## a scan through emulated firmware and back, with a table and a picture (FLICR_SCAN=path/to/kitti.bin)
 	@tools/demo.sh
 
-test: setup lint ## all checks: lint, tests on this machine, on emulated boards and on emulated AArch64 Linux
-	@$(MAKE) --no-print-directory test-host test-aarch64 size
+test: setup lint ## all checks: lint, tests on this machine and on emulated boards, sizes (see test-aarch64 too)
+	@$(MAKE) --no-print-directory test-host size
 
 test-host: ## tests on this machine and on emulated boards
 	@tools/step.sh "build of the tests" cargo test --quiet --no-run --features $(FEATURES)
