@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-host test-aarch64 lint bench size no-panic bless
+.PHONY: help setup demo test test-host test-aarch64 lint bench size package no-panic bless
 
 # All that runs on a desk. defmt is not among them: its symbols exist only in firmware that has a logger.
 FEATURES := std,cli,capi
@@ -47,6 +47,10 @@ bench: ## timings, each paired with a baseline in the same run
 
 size: ## flash, RAM and stack of the encoder on a Cortex-M
 	@tools/step.sh "size of the encoder on a Cortex-M" tools/size.sh
+
+package: ## the crate as it would be published, built from its package, and the program installed under target/
+	@tools/step.sh "package" cargo package --quiet --allow-dirty
+	@tools/step.sh "install" cargo install --path . --features cli --quiet --root "$${CARGO_TARGET_DIR:-target}/installed"
 
 no-panic: ## list what of Rust's panic machinery is in the encoder's firmware
 	@tools/no_panic.sh
