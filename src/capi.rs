@@ -900,6 +900,7 @@ impl From<ConfigError> for flicr_status {
             | ConfigError::Beams { .. }
             | ConfigError::Beam { .. }
             | ConfigError::Ticks { .. }
+            | ConfigError::Firings { .. }
             | ConfigError::RangeUnit { .. } => Self::Size,
             ConfigError::LevelBits { .. } => Self::LevelBits,
             ConfigError::MaxRange { .. } => Self::MaxRange,

@@ -120,10 +120,13 @@ impl<'a, const LINES: usize, const NODES: usize> LatticeConfig<'a, LINES, NODES>
     /// Output bytes that are enough for every frame.
     #[must_use]
     pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
-        let rows = self.lattice.grid().beams.len();
-        let table_len = if self.table { rows * BeamsHeader::BEAM_LEN } else { 0 };
-        let more = BeamsHeader::HEADER_LEN - crate::frame::HEADER_LEN + table_len;
-        crate::frame::worst_case_len::<L, C>(rows * self.lattice.columns_in_turn() as usize) + more
+        let pixels = self.lattice.grid().beams.len() * self.lattice.columns_in_turn() as usize;
+        crate::frame::worst_case_len::<L, C>(pixels) + self.header_len() - crate::frame::HEADER_LEN
+    }
+
+    pub(crate) const fn header_len(&self) -> usize {
+        let table_len = if self.table { self.lattice.grid().beams.len() * BeamsHeader::BEAM_LEN } else { 0 };
+        BeamsHeader::HEADER_LEN + table_len
     }
 }
 

@@ -5,8 +5,8 @@ use std::vec::Vec;
 
 use crate::coder::{self, CoderId};
 use crate::error::{DecodeError, HeaderField, LimitKind, PayloadFault};
-use crate::frame::{self, BeamsGeometry, Geometry, Header, ParsedFrame};
-use crate::geometry::{Beam, SensorGrid, Sphere, Turn, sensors};
+use crate::frame::{self, BeamsGeometry, ColumnMode, Geometry, Header, ParsedFrame};
+use crate::geometry::{Beam, SensorGrid, Sphere, Spread, Turn, sensors};
 use crate::image::{ImageView, Level};
 
 /// What a decoder may be asked to do; checked before any memory is taken or work begun.
@@ -42,6 +42,8 @@ pub struct Decoder {
     levels: Levels,
     places: Places,
     known: Vec<Known>,
+    /// Of the last frame, where its columns are firings.
+    firings: Vec<u32>,
 }
 
 /// Where the pixels of the last frame of either geometry lie.
@@ -109,18 +111,19 @@ impl Decoder {
             Geometry::Uniform(uniform) => {
                 self.places.sphere.prepare(header.rows, header.columns, uniform.view, uniform.placement);
             }
-            Geometry::Beams(beams) => self.prepare_turn(&header, &beams, parsed.table())?,
+            Geometry::Beams(beams) => self.prepare_turn(&parsed, &beams)?,
         }
         self.levels.decode(&parsed)?;
         Ok(Frame { header, levels: &self.levels, places: &self.places })
     }
 
-    fn prepare_turn(&mut self, header: &Header, beams: &BeamsGeometry, table: &[u8]) -> Result<(), DecodeError> {
+    fn prepare_turn(&mut self, parsed: &ParsedFrame<'_>, beams: &BeamsGeometry) -> Result<(), DecodeError> {
+        let header = &parsed.header;
         let read;
         let built_in = || sensors::ALL.iter().find(|grid| grid.checksum() == beams.sensor).map(|grid| grid.beams);
         let known = || self.known.iter().find(|known| known.sensor == beams.sensor).map(|known| known.beams.as_slice());
         let found = if beams.table {
-            read = beams.read_table(table)?;
+            read = beams.read_table(parsed.table())?;
             &read
         } else {
             known().or_else(built_in).ok_or(DecodeError::UnknownSensor { sensor: beams.sensor })?
@@ -130,7 +133,9 @@ impl Decoder {
         if found.len() != usize::from(header.rows) || grid.checksum() != beams.sensor {
             return Err(DecodeError::Header { field: HeaderField::Sensor, found: beams.sensor });
         }
-        self.places.turn.prepare(&grid, header.columns, header.quantizer.step_m());
+        beams.read_firings(parsed.firings(), header.columns, &mut self.firings)?;
+        let spread = if beams.column_mode == ColumnMode::Even { Spread::Even } else { Spread::At(&self.firings) };
+        self.places.turn.prepare(&grid, header.columns, spread, header.quantizer.step_m());
         Ok(())
     }
 }

@@ -58,6 +58,13 @@ pub enum ConfigError {
         /// Most that there may be.
         max: u32,
     },
+    /// A list of firings has at least one, and none beyond the turn's ticks.
+    Firings {
+        /// First tick that is beyond; `ticks` where there is no firing.
+        tick: u32,
+        /// Ticks a turn.
+        ticks: u32,
+    },
     /// A range unit is more than 0 and at most a meter.
     RangeUnit {
         /// Meters asked for.
@@ -219,6 +226,7 @@ pub enum HeaderField {
     GeometryView,
     GeometryFlags,
     ColumnMode,
+    Firings,
     Sensor,
     Ticks,
     RangeUnit,
@@ -262,6 +270,10 @@ impl fmt::Display for ConfigError {
                 write!(f, "beam {row} is not lower than the one before, or has numbers that no sensor has")
             }
             Self::Ticks { found, max } => write!(f, "{found} ticks a turn: expected 1 to {max}"),
+            Self::Firings { tick, ticks } if tick == ticks => {
+                write!(f, "no firing: expected some, at ticks below {ticks}")
+            }
+            Self::Firings { tick, ticks } => write!(f, "a firing at tick {tick}: expected less than {ticks}"),
             Self::RangeUnit { found_m } => write!(f, "a range unit of {found_m} m: expected more than 0 and at most 1"),
             Self::ElevationView { top_rad, bottom_rad } => write!(
                 f,

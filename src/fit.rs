@@ -1,7 +1,7 @@
 //! How well points fit a sensor's grid, and the bound that follows.
 
 use crate::geometry::Lattice;
-use crate::kernel::{miss_lattice, sqrt};
+use crate::kernel::{Miss, miss_lattice, sqrt};
 use crate::point::Points;
 use crate::quantize::Quantizer;
 
@@ -92,17 +92,42 @@ impl GridFit {
         point: [f32; 3],
         row: Option<u16>,
     ) {
-        let Some(miss) = miss_lattice(lattice, quantizer, point, row) else { return };
+        if let Some(miss) = miss_lattice(lattice, quantizer, point, row) {
+            self.add_miss(lattice, &miss, 0.0);
+        }
+    }
+
+    /// Measures one point that goes to a column some ticks away from its own.
+    pub(crate) fn add_beside<const LINES: usize, const NODES: usize>(
+        &mut self,
+        lattice: &Lattice<'_, LINES, NODES>,
+        quantizer: &Quantizer,
+        point: [f32; 3],
+        ticks_off: u32,
+    ) {
+        if let Some(miss) = miss_lattice(lattice, quantizer, point, None) {
+            let turns_off = ticks_off as f32 / f32::from(lattice.columns_in_turn());
+            self.add_miss(lattice, &miss, turns_off * core::f32::consts::TAU);
+        }
+    }
+
+    fn add_miss<const LINES: usize, const NODES: usize>(
+        &mut self,
+        lattice: &Lattice<'_, LINES, NODES>,
+        miss: &Miss,
+        radians_off: f32,
+    ) {
         // The table's own error in azimuth, and a float's: what is measured with them is uncertain by as much.
         let intervals = (NODES - 1) as f32;
         let azimuth_error = 1.5e-6 * (256.0 / intervals) * (256.0 / intervals) + 5e-7;
         // The chord around the axis is not quite perpendicular to the beam's plane: half of half a column off.
-        let skewed = 1.0 + 2.0 / f32::from(lattice.columns_in_turn());
+        let skewed = 1.0 + 2.0 / f32::from(lattice.columns_in_turn()) + radians_off;
+        let around_m = miss.around_m + radians_off * miss.rho_m;
         self.points += 1;
         self.across.add(miss.across_m);
-        self.around.add(miss.around_m);
+        self.around.add(around_m);
         self.along.add(miss.along_m);
-        let around_m = miss.around_m + miss.rho_m * azimuth_error;
+        let around_m = around_m + miss.rho_m * azimuth_error;
         let square = miss.across_m * miss.across_m + around_m * around_m + miss.along_m * miss.along_m;
         // Ten micrometers and a two-millionth of the range for the decoder's rounding and ours.
         let off_m = sqrt(square) * skewed + 1e-5 + 5e-7 * miss.rho_m;

@@ -13,7 +13,7 @@ use crate::quantize::Quantizer;
 
 mod geometry;
 
-pub use geometry::{BeamsGeometry, BeamsHeader, Geometry, GeometryFields, UniformHeader};
+pub use geometry::{BeamsGeometry, BeamsHeader, ColumnMode, FiringsHeader, Geometry, GeometryFields, UniformHeader};
 
 /// First four bytes of every frame.
 pub const MAGIC: [u8; 4] = *b"FLCR";
@@ -139,6 +139,7 @@ pub struct ParsedFrame<'a> {
     pub header: Header,
     strips: u16,
     table: &'a [u8],
+    firings: &'a [u8],
     body: &'a [u8],
 }
 
@@ -191,7 +192,10 @@ pub fn parse(bytes: &[u8]) -> Result<ParsedFrame<'_>, DecodeError> {
         return Err(DecodeError::Checksum { stored, computed });
     }
     let (head, body) = body.split_at(header_len);
-    Ok(ParsedFrame { header, strips, table: head.get(BeamsHeader::HEADER_LEN..).unwrap_or_default(), body })
+    let behind_fields = head.get(BeamsHeader::HEADER_LEN..).unwrap_or_default();
+    let table_len = behind_fields.len() - header.geometry.firings_len().min(behind_fields.len());
+    let (table, firings) = behind_fields.split_at(table_len);
+    Ok(ParsedFrame { header, strips, table, firings, body })
 }
 
 fn check_frame_len(frame_len: usize, have: usize) -> Result<(), DecodeError> {
@@ -268,6 +272,12 @@ impl<'a> ParsedFrame<'a> {
     #[must_use]
     pub const fn table(&self) -> &'a [u8] {
         self.table
+    }
+
+    /// The list of firings that the header carries, as coded; nothing where it carries none.
+    #[must_use]
+    pub const fn firings(&self) -> &'a [u8] {
+        self.firings
     }
 
     /// The strips in order; checked to cover every column once, and nothing to follow the last.

@@ -50,6 +50,7 @@ pub mod coder;
 mod config;
 mod encoder;
 mod error;
+mod firings_config;
 mod fit;
 pub mod frame;
 pub mod geometry;
@@ -82,6 +83,7 @@ pub use coder::{
 pub use config::{Config, LatticeConfig, Scale, Settings};
 pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
 pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};
+pub use firings_config::FiringsConfig;
 pub use fit::{GridFit, NoFit, Residual};
 pub use frame::{Geometry, Header};
 pub use geometry::{Placement, UniformGrid, UniformView};

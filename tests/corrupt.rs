@@ -142,7 +142,7 @@ fn wrong_header_fields_are_named() {
 #[test]
 fn wrong_fields_of_a_grid_are_named() {
     let (nan, bytes) = (f32::NAN.to_le_bytes(), grid_frame(true));
-    let cases: [(usize, &[u8], HeaderField); 16] = [
+    let cases: [(usize, &[u8], HeaderField); 17] = [
         (5, &[1], HeaderField::Flags),
         (6, &[72, 0], HeaderField::HeaderLen),
         (6, &[64, 0], HeaderField::HeaderLen),
@@ -151,14 +151,15 @@ fn wrong_fields_of_a_grid_are_named() {
         (44, &[0], HeaderField::Reserved),
         (45, &[4], HeaderField::GeometryFlags),
         (45, &[0], HeaderField::HeaderLen),
-        (46, &[2], HeaderField::ColumnMode),
+        (46, &[3], HeaderField::ColumnMode),
         (47, &[1], HeaderField::Reserved),
         (52, &[0; 4], HeaderField::Ticks),
         (52, &[0xff; 4], HeaderField::Ticks),
         (56, &nan, HeaderField::RangeUnit),
         (60, &nan, HeaderField::GeometryView),
         (64, &nan, HeaderField::PointBound),
-        (68, &[1], HeaderField::Reserved),
+        (68, &[1], HeaderField::Firings),
+        (70, &[1], HeaderField::Reserved),
     ];
     for (at, new, expected) in cases {
         let found = error(&with(&bytes, at, new));

@@ -2,13 +2,18 @@
 
 use super::{CRC, Fields, HEADER_LEN, expect};
 use crate::error::{DecodeError, HeaderField};
-use crate::geometry::{Beam, Placement, SensorGrid, UniformView};
+use crate::geometry::{Beam, Firings, Placement, SensorGrid, UniformView};
 
 const UNIFORM: u8 = 0;
 const BEAMS: u8 = 1;
 const CORNER_FLAG: u8 = 1;
 const CLOCKWISE_FLAG: u8 = 1;
 const TABLE_FLAG: u8 = 2;
+const EVEN_COLUMNS: u8 = 0;
+const FIRINGS_AS_BITS: u8 = 1;
+const FIRINGS_AS_STEPS: u8 = 2;
+/// More ticks than this are not listed.
+const LISTED_TICKS_MAX: u32 = 65_535;
 
 /// The geometry of a frame that was read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +55,30 @@ pub struct BeamsHeader<'a> {
     pub table: bool,
 }
 
+/// The sensor's own grid with a column a firing, to write.
+#[derive(Debug, Clone, Copy)]
+pub struct FiringsHeader<'a, const WORDS: usize> {
+    /// All else.
+    pub beams: BeamsHeader<'a>,
+    /// The ticks that were fired at.
+    pub firings: &'a Firings<WORDS>,
+}
+
+/// How the columns lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ColumnMode {
+    /// Evenly spread over the turn.
+    Even,
+    /// One a firing; the header has their list.
+    Firings {
+        /// Whether the list is coded step by step; else it has a bit a tick.
+        coded: bool,
+        /// Bytes of the list.
+        list_len: u16,
+    },
+}
+
 /// The sensor's own grid, as read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamsGeometry {
@@ -67,6 +96,8 @@ pub struct BeamsGeometry {
     pub point_bound_m: f32,
     /// Whether the header carries the beams.
     pub table: bool,
+    /// How the columns lie.
+    pub column_mode: ColumnMode,
 }
 
 impl GeometryFields for UniformHeader {
@@ -102,15 +133,39 @@ impl GeometryFields for BeamsHeader<'_> {
         Self::HEADER_LEN + if self.table { Self::BEAM_LEN * self.grid.beams.len() } else { 0 }
     }
 
+    fn put(&self, put: impl FnMut(&[u8])) {
+        self.put_with(EVEN_COLUMNS, 0, put);
+    }
+}
+
+impl<const WORDS: usize> GeometryFields for FiringsHeader<'_, WORDS> {
+    fn flags(&self) -> u8 {
+        0
+    }
+
+    fn header_len(&self) -> usize {
+        self.beams.header_len() + self.firings.list_len()
+    }
+
     fn put(&self, mut put: impl FnMut(&[u8])) {
+        let mode = if self.firings.is_coded() { FIRINGS_AS_STEPS } else { FIRINGS_AS_BITS };
+        self.beams.put_with(mode, self.firings.list_len() as u16, &mut put);
+        self.firings.put(put);
+    }
+}
+
+impl BeamsHeader<'_> {
+    /// As [`GeometryFields::put`], of columns that lie otherwise.
+    fn put_with(&self, column_mode: u8, list_len: u16, mut put: impl FnMut(&[u8])) {
         let clockwise = if self.grid.clockwise { CLOCKWISE_FLAG } else { 0 };
-        put(&[BEAMS, clockwise | if self.table { TABLE_FLAG } else { 0 }, 0, 0]);
+        put(&[BEAMS, clockwise | if self.table { TABLE_FLAG } else { 0 }, column_mode, 0]);
         put(&self.grid.checksum().to_le_bytes());
         put(&self.grid.ticks.to_le_bytes());
         put(&self.grid.range_unit_m.to_le_bytes());
         put(&self.grid.zero_rad.to_le_bytes());
         put(&self.point_bound_m.to_le_bytes());
-        put(&[0; 4]);
+        put(&list_len.to_le_bytes());
+        put(&[0; 2]);
         if self.table {
             self.grid.beams.iter().for_each(|beam| put(&beam_bytes(beam)));
         }
@@ -151,7 +206,8 @@ pub(super) fn parse(fields: &mut Fields<'_>, flags: u8, rows: u16) -> Result<(Ge
     expect(HeaderField::Flags, flags, |flags| flags == 0)?;
     let beams = parse_beams(fields, rows)?;
     let table_len = if beams.table { BeamsHeader::BEAM_LEN * usize::from(rows) } else { 0 };
-    Ok((Geometry::Beams(beams), BeamsHeader::HEADER_LEN + table_len))
+    let geometry = Geometry::Beams(beams);
+    Ok((geometry, BeamsHeader::HEADER_LEN + table_len + geometry.firings_len()))
 }
 
 fn parse_uniform(fields: &mut Fields<'_>, flags: u8) -> Result<UniformHeader, DecodeError> {
@@ -175,7 +231,7 @@ fn parse_uniform(fields: &mut Fields<'_>, flags: u8) -> Result<UniformHeader, De
 fn parse_beams(fields: &mut Fields<'_>, rows: u16) -> Result<BeamsGeometry, DecodeError> {
     expect(HeaderField::Rows, rows, |rows| usize::from(rows) <= SensorGrid::BEAMS_MAX)?;
     let flags = expect(HeaderField::GeometryFlags, fields.u8()?, |flags| flags <= CLOCKWISE_FLAG | TABLE_FLAG)?;
-    expect(HeaderField::ColumnMode, fields.u8()?, |mode| mode == 0)?;
+    let mode = expect(HeaderField::ColumnMode, fields.u8()?, |mode| mode <= FIRINGS_AS_STEPS)?;
     expect(HeaderField::Reserved, fields.u8()?, |zero| zero == 0)?;
     let sensor = fields.u32()?;
     let ticks = expect(HeaderField::Ticks, fields.u32()?, |ticks| (1..=SensorGrid::TICKS_MAX).contains(&ticks))?;
@@ -185,9 +241,34 @@ fn parse_beams(fields: &mut Fields<'_>, rows: u16) -> Result<BeamsGeometry, Deco
     let range_unit_m = float(HeaderField::RangeUnit, |unit_m| unit_m > 0.0 && unit_m <= 1.0)?;
     let zero_rad = float(HeaderField::GeometryView, |zero_rad| zero_rad.abs() <= core::f32::consts::PI)?;
     let point_bound_m = float(HeaderField::PointBound, |bound_m| bound_m >= 0.0)?;
-    expect(HeaderField::Reserved, fields.u32()?, |zero| zero == 0)?;
+    let list_len = fields.u16()?;
+    expect(HeaderField::Reserved, fields.u16()?, |zero| zero == 0)?;
+    let column_mode = column_mode(mode, list_len, ticks)?;
     let (clockwise, table) = (flags & CLOCKWISE_FLAG != 0, flags & TABLE_FLAG != 0);
-    Ok(BeamsGeometry { sensor, ticks, clockwise, zero_rad, range_unit_m, point_bound_m, table })
+    Ok(BeamsGeometry { sensor, ticks, clockwise, zero_rad, range_unit_m, point_bound_m, table, column_mode })
+}
+
+/// How the columns lie; a list is as long as it must be, or shorter than that where it is coded.
+fn column_mode(mode: u8, list_len: u16, ticks: u32) -> Result<ColumnMode, DecodeError> {
+    if mode == EVEN_COLUMNS {
+        expect(HeaderField::Firings, list_len, |len| len == 0)?;
+        return Ok(ColumnMode::Even);
+    }
+    expect(HeaderField::Ticks, ticks, |ticks| ticks <= LISTED_TICKS_MAX)?;
+    let (coded, bitmap_len) = (mode == FIRINGS_AS_STEPS, crate::geometry::bitmap_len(ticks));
+    let right = |len: u16| if coded { (1..bitmap_len).contains(&len.into()) } else { usize::from(len) == bitmap_len };
+    let list_len = expect(HeaderField::Firings, list_len, right)?;
+    Ok(ColumnMode::Firings { coded, list_len })
+}
+
+impl Geometry {
+    /// Bytes of the list of firings at the end of the header.
+    pub(super) fn firings_len(&self) -> usize {
+        match self {
+            Self::Beams(BeamsGeometry { column_mode: ColumnMode::Firings { list_len, .. }, .. }) => (*list_len).into(),
+            _ => 0,
+        }
+    }
 }
 
 #[cfg(feature = "std")]
@@ -196,6 +277,19 @@ impl BeamsGeometry {
     pub(crate) fn grid<'a>(&self, beams: &'a [Beam]) -> SensorGrid<'a> {
         let Self { ticks, clockwise, zero_rad, range_unit_m, .. } = *self;
         SensorGrid { name: "", beams, ticks, clockwise, zero_rad, range_unit_m }
+    }
+
+    /// The ticks of the columns, where these are firings; checked to ascend, to be of the turn, and as many as columns.
+    pub(crate) fn read_firings(
+        &self,
+        list: &[u8],
+        columns: u16,
+        found: &mut std::vec::Vec<u32>,
+    ) -> Result<(), DecodeError> {
+        found.clear();
+        let ColumnMode::Firings { coded, list_len } = self.column_mode else { return Ok(()) };
+        let read = crate::geometry::read_firings(list, coded, self.ticks, columns.into(), found);
+        read.map_err(|_| DecodeError::Header { field: HeaderField::Firings, found: list_len.into() })
     }
 
     /// The beams that a header carries; checked to be those of the sensor that it names.

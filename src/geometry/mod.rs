@@ -5,6 +5,7 @@
 
 pub mod angles;
 mod beam;
+mod firings;
 mod lattice;
 pub mod sensors;
 #[cfg(feature = "std")]
@@ -14,6 +15,12 @@ mod turn;
 mod uniform;
 
 pub use beam::{Beam, SensorGrid};
+pub(crate) use firings::bitmap_len;
+pub use firings::{FiringLattice, Firings};
+#[cfg(feature = "std")]
+pub use firings::{FoundFirings, find_firings};
+#[cfg(feature = "std")]
+pub(crate) use firings::{read as read_firings, shift_of};
 #[cfg(not(target_arch = "arm"))]
 pub(crate) use lattice::Edge;
 pub use lattice::Lattice;
@@ -23,7 +30,7 @@ pub(crate) use lattice::{azimuth_rad, nearest_row};
 #[cfg(feature = "std")]
 pub(crate) use sphere::Sphere;
 #[cfg(feature = "std")]
-pub(crate) use turn::Turn;
+pub(crate) use turn::{Spread, Turn};
 #[cfg(feature = "capi")]
 pub(crate) use uniform::check_size;
 pub use uniform::{Placement, UniformGrid, UniformView};

@@ -1,9 +1,11 @@
 //! The inverse of the lattice: beam, column and level back to a point, without a sine a point.
 
 use core::f64::consts::TAU;
+use core::ops::Range;
 use std::vec::Vec;
 
 use super::beam::{Beam, BeamLine, SensorGrid};
+use super::shift_of;
 
 /// Sine and cosine of every column's encoder azimuth, and every beam's constants.
 ///
@@ -13,7 +15,20 @@ pub(crate) struct Turn {
     made_for: Option<(bool, u32, u16, u32)>,
     beams: Vec<Beam>,
     rows: Vec<BeamRow>,
+    /// Twice over where the columns are firings, and each row begins at its own.
     columns: Vec<SinCos>,
+    /// First column of each row, and the last but one.
+    spans: Vec<Range<usize>>,
+    firings: Vec<u32>,
+}
+
+/// Where the columns lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Spread<'a> {
+    /// Evenly over the turn.
+    Even,
+    /// At these ticks, each beam's turned by its azimuth phase.
+    At(&'a [u32]),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -49,25 +64,47 @@ pub(crate) struct TurnRow<'a> {
 
 impl Turn {
     /// Computes the constants unless they are those of the last frame.
-    pub(crate) fn prepare(&mut self, grid: &SensorGrid<'_>, columns: u16, step_m: f32) {
+    pub(crate) fn prepare(&mut self, grid: &SensorGrid<'_>, columns: u16, spread: Spread<'_>, step_m: f32) {
         let wanted = Some((grid.clockwise, grid.zero_rad.to_bits(), columns, step_m.to_bits()));
-        if self.made_for == wanted && self.beams == grid.beams {
+        let firings = if let Spread::At(firings) = spread { firings } else { &[] };
+        if self.made_for == wanted && self.beams == grid.beams && self.firings == firings {
             return;
         }
         self.beams.clear();
         self.beams.extend_from_slice(grid.beams);
-        let column_rad = if grid.clockwise { -TAU } else { TAU } / f64::from(columns);
-        self.columns.clear();
-        self.columns
-            .extend((0..columns).map(|column| SinCos::of(f64::from(grid.zero_rad) + f64::from(column) * column_rad)));
+        self.firings.clear();
+        self.firings.extend_from_slice(firings);
+        self.prepare_columns(grid, columns, spread);
         self.rows.clear();
         self.rows.extend(grid.beams.iter().map(|beam| BeamRow::new(beam, step_m.into())));
         self.made_for = wanted;
     }
 
+    fn prepare_columns(&mut self, grid: &SensorGrid<'_>, columns: u16, spread: Spread<'_>) {
+        let direction = if grid.clockwise { -TAU } else { TAU };
+        let at = |turned_rad: f64| SinCos::of(f64::from(grid.zero_rad) + turned_rad);
+        let len = usize::from(columns);
+        self.columns.clear();
+        self.spans.clear();
+        match spread {
+            Spread::Even => {
+                let column_rad = direction / f64::from(columns);
+                self.columns.extend((0..columns).map(|column| at(f64::from(column) * column_rad)));
+                self.spans.extend(grid.beams.iter().map(|_| 0..len));
+            }
+            Spread::At(ticks) => {
+                let tick_rad = direction / f64::from(grid.ticks);
+                self.columns.extend(ticks.iter().map(|&tick| at(f64::from(tick) * tick_rad)));
+                self.columns.extend_from_within(..);
+                let first = |beam: &Beam| len - usize::from(shift_of(beam.azimuth_phase_rad, grid.clockwise, columns));
+                self.spans.extend(grid.beams.iter().map(first).map(|first| first..first + len));
+            }
+        }
+    }
+
     /// Points of a row.
     pub(crate) fn row(&self, row: usize) -> TurnRow<'_> {
-        TurnRow { row: self.rows[row], columns: &self.columns }
+        TurnRow { row: self.rows[row], columns: &self.columns[self.spans[row].clone()] }
     }
 }
 

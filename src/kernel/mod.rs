@@ -6,6 +6,6 @@ mod sqrt;
 mod uniform;
 
 pub(crate) use convert::{to_angle, to_index};
-pub(crate) use lattice::{miss_lattice, place_on_row, project_lattice};
+pub(crate) use lattice::{Miss, miss_lattice, place_on_row, project_lattice};
 pub(crate) use sqrt::sqrt;
 pub(crate) use uniform::project_uniform;

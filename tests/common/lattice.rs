@@ -87,11 +87,7 @@ pub fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
 
 /// How far each point is from the decoded point of its pixel; those whose pixel another point got are left out where
 /// its level is another.
-pub fn distances<const LINES: usize>(
-    lattice: &Lattice<'_, LINES>,
-    points: &[[f32; 3]],
-    bytes: &[u8],
-) -> Vec<([f32; 3], [f32; 3], f64)> {
+pub fn distances(lattice: &impl Projection, points: &[[f32; 3]], bytes: &[u8]) -> Vec<([f32; 3], [f32; 3], f64)> {
     let mut decoder = Decoder::new(Limits::default());
     let frame = decoder.decode(bytes).unwrap();
     let decoded = frame.points();

@@ -7,6 +7,7 @@ mod calibrate;
 mod common;
 mod deflate;
 mod files;
+mod firings;
 mod geometry;
 mod lattice;
 mod metrics;
@@ -27,6 +28,8 @@ const TESTS: &[(&str, fn())] = &[
     ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
     ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
+    ("firings::all_raw_scans_by_firings", firings::all_raw_scans_by_firings),
+    ("firings::shared_firings_are_found_from_the_points", firings::shared_firings_are_found_from_the_points),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),

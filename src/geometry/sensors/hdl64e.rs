@@ -21,6 +21,31 @@ pub const GRID: SensorGrid<'static> = SensorGrid {
     range_unit_m: RANGE_UNIT_M as f32,
 };
 
+/// The same, with each laser's own angle in its azimuth phase: here all lasers fire at the same ticks.
+pub const FIRING_GRID: SensorGrid<'static> =
+    SensorGrid { name: "HDL-64E (KITTI), by firings", beams: &FIRING_BEAMS, ..GRID };
+
+/// Ticks by which each laser looks behind, highest first; found where the ticks of all lasers fall together, and the
+/// same on every raw KITTI scan that was tried.
+#[rustfmt::skip]
+pub const TICKS_BEHIND: [i8; 64] = [
+     -5,  21,  43,  68, -44, -19,   4,  29,  51,  76, -52, -27,  -5,  20,  43,  67,
+    -43, -19,   4,  29,  51,  76, -52, -27,  -5,  20,  44,  67, -44, -19,   3,  29,
+    -13,  23,  59,  97, -73, -37,   0,  37,  73, 111, -88, -51, -14,  24,  60,  98,
+    -76, -38,  -1,  37,  74, 113, -91, -53, -16,  24,  62, 100, -79, -40,  -2,  37,
+];
+
+/// The beams of [`FIRING_GRID`].
+pub static FIRING_BEAMS: [Beam; 64] = {
+    let (mut beams, mut row) = (BEAMS, 0);
+    while row < beams.len() {
+        let behind_rad = TICKS_BEHIND[row] as f64 * (2.0 * core::f64::consts::PI / TICKS as f64);
+        beams[row].azimuth_phase_rad = (beams[row].azimuth_phase_rad as f64 - behind_rad) as f32;
+        row += 1;
+    }
+    beams
+};
+
 /// A beam as the fit gives it: slope, vertical and horizontal offset in meters, azimuth phase in degrees, range phase in
 /// meters.
 const fn beam(slope: f64, z_offset_m: f64, h_offset_m: f64, azimuth_phase_deg: f64, range_phase_m: f64) -> Beam {

@@ -19,7 +19,7 @@ pub use super::Beam;
 use super::SensorGrid;
 
 /// Those whose beams measure on one grid of encoder ticks: what a decoder finds by their checksum.
-pub static ALL: [&SensorGrid<'static>; 1] = [&hdl64e::GRID];
+pub static ALL: [&SensorGrid<'static>; 2] = [&hdl64e::GRID, &hdl64e::FIRING_GRID];
 
 /// How a sensor's ticks lie in the x-y plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
