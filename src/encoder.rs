@@ -6,9 +6,9 @@ use crate::error::{ConfigError, EncodeError};
 use crate::fit::GridFit;
 use crate::frame::{self, Header};
 use crate::geometry::OnRows;
-use crate::packet::Column;
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
 use crate::insert::{farthest_m, insert};
+use crate::packet::Column;
 use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
 use crate::returns::{CountLevels, GridReturn, ReturnInserter, TickColumns};
@@ -128,7 +128,11 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
     ///
     /// # Errors
     /// [`EncodeError::ScaleNeedsWholeScan`] unless `config`'s scale is fixed; [`EncodeError::Config`].
-    pub fn start<S: FrameSettings>(&mut self, config: &S, stamp: Stamp) -> Result<FrameEncoder<'_, L, C, S>, EncodeError> {
+    pub fn start<S: FrameSettings>(
+        &mut self,
+        config: &S,
+        stamp: Stamp,
+    ) -> Result<FrameEncoder<'_, L, C, S>, EncodeError> {
         FrameEncoder::start(config, stamp, self.image.view_mut(), &mut self.coder)
     }
 }

@@ -229,7 +229,7 @@ fn insert<S: GridSettings, L: Level, const LAYERS: usize>(
 ) {
     let layer = usize::from(column.layer);
     if let (Some(frame), Some(image)) = (frames.get_mut(layer), images.get_mut(layer)) {
-        if frame.tally().points == 0 {
+        if layer == 0 && frame.tally().points == 0 {
             frame.stamp_mut().timestamp_ns = column.time_ns;
         }
         frame.insert_column(column, image);
@@ -242,8 +242,10 @@ fn end_turn<'i, S: GridSettings, L: Level, const LAYERS: usize>(
     images: &mut [ImageViewMut<'i, L>; LAYERS],
     end: &mut impl FnMut(Turn, &[OpenFrame<S>; LAYERS], &[ImageViewMut<'i, L>; LAYERS]),
 ) {
+    // Layer 0 is never without columns where another has some.
+    let stamp = Stamp { sequence: turn.number, ..*frames[0].stamp_mut() };
     for frame in frames.iter_mut() {
-        frame.stamp_mut().sequence = turn.number;
+        *frame.stamp_mut() = stamp;
     }
     end(turn, frames, images);
     for (frame, image) in frames.iter_mut().zip(images) {
