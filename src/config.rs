@@ -4,7 +4,7 @@ use crate::error::{ConfigError, EncodeError};
 use crate::fit::{GridFit, NoFit};
 use crate::frame::{BeamsHeader, GeometryFields, UniformHeader};
 use crate::geometry::angles::{self, AngleTables};
-use crate::geometry::{Lattice, Placement, Projection, UniformGrid, UniformView};
+use crate::geometry::{Lattice, Placement, Projection, SensorGrid, UniformGrid, UniformView};
 use crate::insert::{Collision, OutOfView, Policy};
 use crate::point::Points;
 use crate::quantize::Quantizer;
@@ -120,21 +120,66 @@ impl<'a, const LINES: usize, const NODES: usize> LatticeConfig<'a, LINES, NODES>
     /// Output bytes that are enough for every frame.
     #[must_use]
     pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
-        let pixels = self.lattice.grid().beams.len() * self.lattice.columns_in_turn() as usize;
-        crate::frame::worst_case_len::<L, C>(pixels) + self.header_len() - crate::frame::HEADER_LEN
-    }
-
-    pub(crate) const fn header_len(&self) -> usize {
-        let table_len = if self.table { self.lattice.grid().beams.len() * BeamsHeader::BEAM_LEN } else { 0 };
-        BeamsHeader::HEADER_LEN + table_len
+        let columns = self.lattice.columns_in_turn() as usize;
+        beams_worst_case_len::<L, C>(self.lattice.grid().beams.len(), columns, self.table)
     }
 }
 
-/// What the encoder asks of a configuration: [`Config`] and [`LatticeConfig`] are the two there are. The geometry that
-/// is not used costs no flash.
-pub trait Settings: Copy {
-    /// The forward direction of the geometry.
-    type Projection: Projection + Copy + core::fmt::Debug;
+/// A frame of returns, from a sensor's packets or a driver that has its integers: as [`LatticeConfig`], but without what
+/// only points need, so that neither a table of the beams' edges nor a float takes room or time.
+///
+/// The image must have a row for each beam and `columns` columns. Returns at the same distance from two columns' centers
+/// get the later one.
+///
+/// The same frame as of a [`LatticeConfig`] of the same grid and columns comes out, if the returns are those that the
+/// points were made from.
+#[derive(Debug, Clone, Copy)]
+pub struct GridConfig<'a> {
+    /// The sensor's grid. A packet's beams fire one after another; for beams that account for it see
+    /// [`SensorGeometry::beams_at`](crate::geometry::sensors::SensorGeometry::beams_at).
+    pub grid: SensorGrid<'a>,
+    /// Columns, spread evenly over the encoder's turn from tick 0 on.
+    pub columns: u16,
+    /// Bits of a level: 1 to 8 in an image of `u8`, 9 to 16 in one of `u16`.
+    pub level_bits: u32,
+    /// Distance of the levels; [`Scale::PerFrame`] is none for returns, which come piece by piece.
+    pub scale: Scale,
+    /// Several returns in one pixel.
+    pub collision: Collision,
+    /// Whether each frame carries the beams (20 bytes each), for receivers that do not know the sensor.
+    pub table: bool,
+}
+
+impl<'a> GridConfig<'a> {
+    /// Lossless: a level is a range count.
+    #[must_use]
+    pub const fn new(grid: SensorGrid<'a>, columns: u16) -> Self {
+        let scale = Scale::Step { step_m: grid.range_unit_m };
+        Self { grid, columns, level_bits: 16, scale, collision: Collision::Nearest, table: false }
+    }
+
+    /// Output bytes that are enough for every frame.
+    #[must_use]
+    pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
+        beams_worst_case_len::<L, C>(self.grid.beams.len(), self.columns as usize, self.table)
+    }
+}
+
+pub(crate) const fn beams_worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(
+    rows: usize,
+    columns: usize,
+    table: bool,
+) -> usize {
+    let table_len = if table { rows * BeamsHeader::BEAM_LEN } else { 0 };
+    let more = BeamsHeader::HEADER_LEN - crate::frame::HEADER_LEN + table_len;
+    crate::frame::worst_case_len::<L, C>(rows * columns) + more
+}
+
+/// What the encoder asks of every configuration: [`Config`], [`LatticeConfig`] and [`GridConfig`] are the three there
+/// are. The geometry that is not used costs no flash.
+pub trait FrameSettings: Copy {
+    /// The forward direction of the geometry; where it is a [`Projection`], points can be inserted ([`Settings`]).
+    type Projection: Copy + core::fmt::Debug;
     /// What it keeps of how far points are off the grid: [`NoFit`] or [`GridFit`].
     type Fit: Copy + core::fmt::Debug + Default + Into<GridFit>;
     /// What the frame says of the geometry.
@@ -159,7 +204,61 @@ pub trait Settings: Copy {
     fn measure(&self, _points: &(impl Points + ?Sized), _quantizer: &Quantizer, _fit: &mut Self::Fit) {}
 }
 
-impl<const NODES: usize> Settings for Config<NODES> {
+/// A configuration for points: [`Config`] and [`LatticeConfig`].
+pub trait Settings: FrameSettings<Projection: Projection> {}
+
+impl<S: FrameSettings<Projection: Projection>> Settings for S {}
+
+/// A configuration for returns: [`GridConfig`] and [`LatticeConfig`].
+pub trait GridSettings: FrameSettings {
+    /// The sensor's grid.
+    fn grid(&self) -> &SensorGrid<'_>;
+}
+
+impl<'a> FrameSettings for GridConfig<'a> {
+    type Projection = ();
+    type Fit = NoFit;
+    type Fields = BeamsHeader<'a>;
+
+    fn projection(&self, rows: usize, columns: usize) -> Result<(), ConfigError> {
+        self.grid.check()?;
+        let expected = (self.grid.beams.len() as u16, self.columns);
+        check_image((rows, columns), expected)
+    }
+
+    fn levels(&self) -> (u32, Scale) {
+        (self.level_bits, self.scale)
+    }
+
+    fn policy(&self) -> Policy {
+        Policy { collision: self.collision, out_of_view: OutOfView::Drop }
+    }
+
+    fn fields(&self, _: &NoFit) -> BeamsHeader<'a> {
+        BeamsHeader { grid: self.grid, point_bound_m: f32::INFINITY, table: self.table }
+    }
+}
+
+impl GridSettings for GridConfig<'_> {
+    fn grid(&self) -> &SensorGrid<'_> {
+        &self.grid
+    }
+}
+
+impl<const LINES: usize, const NODES: usize> GridSettings for LatticeConfig<'_, LINES, NODES> {
+    fn grid(&self) -> &SensorGrid<'_> {
+        self.lattice.grid()
+    }
+}
+
+pub(crate) fn check_image((rows, columns): (usize, usize), expected: (u16, u16)) -> Result<(), ConfigError> {
+    if (usize::from(expected.0), usize::from(expected.1)) == (rows, columns) {
+        return Ok(());
+    }
+    Err(ConfigError::ImageSize { rows, columns, expected_rows: expected.0, expected_columns: expected.1 })
+}
+
+impl<const NODES: usize> FrameSettings for Config<NODES> {
     type Projection = UniformGrid<NODES>;
     type Fit = NoFit;
     type Fields = UniformHeader;
@@ -181,21 +280,13 @@ impl<const NODES: usize> Settings for Config<NODES> {
     }
 }
 
-impl<'a, const LINES: usize, const NODES: usize> Settings for LatticeConfig<'a, LINES, NODES> {
+impl<'a, const LINES: usize, const NODES: usize> FrameSettings for LatticeConfig<'a, LINES, NODES> {
     type Projection = &'a Lattice<'a, LINES, NODES>;
     type Fit = GridFit;
     type Fields = BeamsHeader<'a>;
 
     fn projection(&self, rows: usize, columns: usize) -> Result<Self::Projection, ConfigError> {
-        let expected = (self.lattice.rows(), self.lattice.columns());
-        if (usize::from(expected.0), usize::from(expected.1)) != (rows, columns) {
-            return Err(ConfigError::ImageSize {
-                rows,
-                columns,
-                expected_rows: expected.0,
-                expected_columns: expected.1,
-            });
-        }
+        check_image((rows, columns), (self.lattice.rows(), self.lattice.columns()))?;
         Ok(self.lattice)
     }
 

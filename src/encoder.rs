@@ -1,15 +1,18 @@
 //! Wires the stages: points -> range image -> payload -> frame.
 
 use crate::coder::{Coder, CoderId};
-use crate::config::{Config, LatticeConfig, Settings, quantizer};
+use crate::config::{Config, FrameSettings, GridSettings, LatticeConfig, Settings, quantizer};
 use crate::error::{ConfigError, EncodeError};
+use crate::firings_config::FiringsConfig;
 use crate::fit::GridFit;
 use crate::frame::{self, Header};
-use crate::geometry::{OnRows, Projection};
+use crate::geometry::OnRows;
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
 use crate::insert::{farthest_m, insert};
+use crate::packet::Column;
 use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
+use crate::returns::{CountLevels, GridReturn, ReturnInserter, TickColumns};
 use crate::tally::Tally;
 
 /// What the caller tells the receiver of a frame besides its points.
@@ -34,6 +37,11 @@ pub struct Encoded {
     pub range_bound_m: f32,
     /// How far the points are off the sensor's grid, where [`LatticeConfig::measure`] asked for it.
     pub fit: GridFit,
+}
+
+impl Encoded {
+    /// To be written over.
+    pub(crate) const NONE: Self = Self { len: 0, tally: Tally::new(), range_bound_m: 0.0, fit: GridFit::new() };
 }
 
 /// A range image and a coder's state, to encode frames of `ROWS` x `COLS` without an allocator.
@@ -121,7 +129,11 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
     ///
     /// # Errors
     /// [`EncodeError::ScaleNeedsWholeScan`] unless `config`'s scale is fixed; [`EncodeError::Config`].
-    pub fn start<S: Settings>(&mut self, config: &S, stamp: Stamp) -> Result<FrameEncoder<'_, L, C, S>, EncodeError> {
+    pub fn start<S: FrameSettings>(
+        &mut self,
+        config: &S,
+        stamp: Stamp,
+    ) -> Result<FrameEncoder<'_, L, C, S>, EncodeError> {
         FrameEncoder::start(config, stamp, self.image.view_mut(), &mut self.coder)
     }
 }
@@ -155,13 +167,13 @@ pub fn encode<L: Level, C: Coder<L>>(
 /// # Ok::<(), flicr::EncodeError>(())
 /// ```
 #[derive(Debug)]
-pub struct FrameEncoder<'a, L: Level, C, S: Settings = Config> {
+pub struct FrameEncoder<'a, L: Level, C, S: FrameSettings = Config> {
     frame: OpenFrame<S>,
     image: ImageViewMut<'a, L>,
     coder: &'a mut C,
 }
 
-impl<'a, L: Level, C: Coder<L>, S: Settings> FrameEncoder<'a, L, C, S> {
+impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     /// Empties `image` and begins a frame of its size.
     ///
     /// # Errors
@@ -177,8 +189,46 @@ impl<'a, L: Level, C: Coder<L>, S: Settings> FrameEncoder<'a, L, C, S> {
     }
 
     /// Puts points into the image.
-    pub fn insert(&mut self, points: &(impl Points + ?Sized)) {
+    pub fn insert(&mut self, points: &(impl Points + ?Sized))
+    where
+        S: Settings,
+    {
         self.frame.insert(points, &mut self.image);
+    }
+
+    /// Puts returns into the image, in their sensor's own integers: each into the pixel that its point would get, its
+    /// level within a rounding of the range count. Returns on a beam or tick that the grid does not have are counted as
+    /// out of view, those of count 0 as no return.
+    pub fn insert_returns<R: Into<GridReturn>>(&mut self, returns: impl IntoIterator<Item = R>)
+    where
+        S: GridSettings,
+    {
+        self.frame.insert_returns(returns, &mut self.image);
+    }
+
+    /// Puts one firing of a sensor's packet into the image: as [`insert_returns`](Self::insert_returns) does its cells,
+    /// in a loop made for the packet's format. A whole stream of packets is [`PacketEncoder`](crate::PacketEncoder)'s.
+    ///
+    /// ```
+    /// use flicr::geometry::sensors::velodyne;
+    /// use flicr::packet::{Event, ReturnPolicy, Sensor, TurnAssembler};
+    /// use flicr::{Encoder, GridConfig, Rle, Stamp};
+    /// let mut encoder: Encoder<16, 1800, u16, Rle> = Encoder::new(Rle::new());
+    /// let mut frame = encoder.start(&GridConfig::new(velodyne::VLP16.grid(), 1800), Stamp::default())?;
+    /// let mut turns = TurnAssembler::new(Sensor::Auto, ReturnPolicy::Strongest);
+    /// # let datagram = [0; 100];
+    /// let _ = turns.push(&datagram, |event| {
+    ///     if let Event::Column(column) = event {
+    ///         frame.insert_column(&column);
+    ///     }
+    /// });
+    /// # Ok::<(), flicr::EncodeError>(())
+    /// ```
+    pub fn insert_column(&mut self, column: &Column<'_>)
+    where
+        S: GridSettings,
+    {
+        self.frame.insert_column(column, &mut self.image);
     }
 
     /// What became of the points so far.
@@ -221,10 +271,29 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const NODES: usize>
     }
 }
 
+impl<L: Level, C: Coder<L>, const LINES: usize, const WORDS: usize, const NODES: usize>
+    FrameEncoder<'_, L, C, FiringsConfig<'_, LINES, WORDS, NODES>>
+{
+    /// Puts returns into the image, in their sensor's own integers: each into the pixel that its point would get, its
+    /// level within a rounding of the range count. Returns on a beam or tick that the grid does not have are counted as
+    /// out of view, those of count 0 as no return.
+    pub fn insert_fired<R: Into<GridReturn>>(&mut self, returns: impl IntoIterator<Item = R>) {
+        let lattice = self.frame.projection;
+        let unit_m = self.frame.config.every_tick.lattice.grid().range_unit_m;
+        let mut inserter = self.frame.return_inserter(unit_m, &mut self.image);
+        for found in returns {
+            let found: GridReturn = found.into();
+            inserter.insert_one(found, lattice.column(found.row, found.tick));
+        }
+    }
+}
+
 /// A frame between its first point and its bytes. The image and the coder are lent to each step, so that a frame can
 /// stay open in memory that is not Rust's to borrow (the C ABI's).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct OpenFrame<S: Settings = Config> {
+pub(crate) struct OpenFrame<S: FrameSettings = Config> {
+    rows: u16,
+    columns: u16,
     projection: S::Projection,
     quantizer: Quantizer,
     config: S,
@@ -233,7 +302,7 @@ pub(crate) struct OpenFrame<S: Settings = Config> {
     fit: S::Fit,
 }
 
-impl<S: Settings> OpenFrame<S> {
+impl<S: FrameSettings> OpenFrame<S> {
     /// Empties `image` and begins a frame of its size.
     pub(crate) fn start<L: Level>(
         config: &S,
@@ -249,7 +318,10 @@ impl<S: Settings> OpenFrame<S> {
         points: &(impl Points + ?Sized),
         stamp: Stamp,
         image: &mut ImageViewMut<'_, L>,
-    ) -> Result<Self, EncodeError> {
+    ) -> Result<Self, EncodeError>
+    where
+        S: Settings,
+    {
         let mut frame = Self::begin(config, || Some(farthest_m(points)), stamp, image)?;
         frame.insert(points, image);
         Ok(frame)
@@ -281,13 +353,76 @@ impl<S: Settings> OpenFrame<S> {
         }
         let quantizer = quantizer((found, scale), farthest_m)?;
         let projection = config.projection(rows, columns)?;
-        Ok(Self { projection, quantizer, config: *config, stamp, tally: Tally::new(), fit: S::Fit::default() })
+        let (rows, columns) = (rows as u16, columns as u16);
+        let (tally, fit) = (Tally::new(), S::Fit::default());
+        Ok(Self { rows, columns, projection, quantizer, config: *config, stamp, tally, fit })
     }
 
     /// Puts points into the image that the frame was started with.
-    pub(crate) fn insert<L: Level>(&mut self, points: &(impl Points + ?Sized), image: &mut ImageViewMut<'_, L>) {
+    pub(crate) fn insert<L: Level>(&mut self, points: &(impl Points + ?Sized), image: &mut ImageViewMut<'_, L>)
+    where
+        S: Settings,
+    {
         insert(points, &self.projection, &self.quantizer, self.config.policy(), image, &mut self.tally);
         self.config.measure(points, &self.quantizer, &mut self.fit);
+    }
+
+    /// Puts returns into the image that the frame was started with.
+    pub(crate) fn insert_returns<L: Level, R: Into<GridReturn>>(
+        &mut self,
+        returns: impl IntoIterator<Item = R>,
+        image: &mut ImageViewMut<'_, L>,
+    ) where
+        S: GridSettings,
+    {
+        let mut columns = self.tick_columns();
+        let mut inserter = self.return_inserter(self.config.grid().range_unit_m, image);
+        for found in returns {
+            let found = found.into();
+            inserter.insert_one(found, columns.column(found.tick));
+        }
+    }
+
+    /// Puts one firing into the image that the frame was started with.
+    pub(crate) fn insert_column<L: Level>(&mut self, column: &Column<'_>, image: &mut ImageViewMut<'_, L>)
+    where
+        S: GridSettings,
+    {
+        let at = self.tick_columns().column(column.tick.into());
+        self.return_inserter(self.config.grid().range_unit_m, image).insert_column(column, at);
+    }
+
+    fn tick_columns(&self) -> TickColumns
+    where
+        S: GridSettings,
+    {
+        TickColumns::new(self.config.grid().ticks, self.columns)
+    }
+
+    fn return_inserter<'a, L: Level>(
+        &'a mut self,
+        range_unit_m: f32,
+        image: &'a mut ImageViewMut<'_, L>,
+    ) -> ReturnInserter<'a, L> {
+        ReturnInserter {
+            scale: CountLevels::new(range_unit_m, &self.quantizer),
+            max_level: self.quantizer.max_level(),
+            collision: self.config.policy().collision,
+            columns: image.columns(),
+            levels: image.levels(),
+            tally: &mut self.tally,
+        }
+    }
+
+    /// Begins the next frame of the same kind in the same image.
+    pub(crate) fn restart<L: Level>(&mut self, image: &mut ImageViewMut<'_, L>) {
+        image.clear();
+        (self.stamp, self.tally, self.fit) = (Stamp::default(), Tally::new(), S::Fit::default());
+    }
+
+    /// To be set before the frame is finished.
+    pub(crate) const fn stamp_mut(&mut self) -> &mut Stamp {
+        &mut self.stamp
     }
 
     pub(crate) const fn tally(&self) -> &Tally {
@@ -312,8 +447,8 @@ impl<S: Settings> OpenFrame<S> {
         Header {
             sequence: self.stamp.sequence,
             timestamp_ns: self.stamp.timestamp_ns,
-            rows: self.projection.rows(),
-            columns: self.projection.columns(),
+            rows: self.rows,
+            columns: self.columns,
             quantizer: self.quantizer,
             coder,
             returns: self.tally.returns(),

@@ -1,6 +1,6 @@
 //! What a frame with a column a firing is to be like.
 
-use crate::config::{LatticeConfig, Scale, Settings};
+use crate::config::{FrameSettings, LatticeConfig, Scale, beams_worst_case_len, check_image};
 use crate::error::ConfigError;
 use crate::fit::GridFit;
 use crate::frame::{BeamsHeader, FiringsHeader};
@@ -36,13 +36,13 @@ impl<const LINES: usize, const WORDS: usize, const NODES: usize> FiringsConfig<'
     /// Output bytes that are enough for every frame with as many firings.
     #[must_use]
     pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
-        let pixels = self.every_tick.lattice.grid().beams.len() * self.firings.len() as usize;
-        let more = self.every_tick.header_len() - crate::frame::HEADER_LEN + bitmap_len(self.firings.ticks());
-        crate::frame::worst_case_len::<L, C>(pixels) + more
+        let rows = self.every_tick.lattice.grid().beams.len();
+        let len = beams_worst_case_len::<L, C>(rows, self.firings.len() as usize, self.every_tick.table);
+        len + bitmap_len(self.firings.ticks())
     }
 }
 
-impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> Settings
+impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> FrameSettings
     for FiringsConfig<'a, LINES, WORDS, NODES>
 {
     type Projection = FiringLattice<'a, LINES, WORDS, NODES>;
@@ -51,11 +51,8 @@ impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> Settings
 
     fn projection(&self, rows: usize, columns: usize) -> Result<Self::Projection, ConfigError> {
         let lattice = FiringLattice::new(self.every_tick.lattice, self.firings)?;
-        let (expected_rows, expected_columns) = (lattice.rows(), lattice.columns());
-        if (usize::from(expected_rows), usize::from(expected_columns)) == (rows, columns) {
-            return Ok(lattice);
-        }
-        Err(ConfigError::ImageSize { rows, columns, expected_rows, expected_columns })
+        check_image((rows, columns), (lattice.rows(), lattice.columns()))?;
+        Ok(lattice)
     }
 
     fn levels(&self) -> (u32, Scale) {

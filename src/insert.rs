@@ -139,6 +139,17 @@ impl<L: Level> Inserter<'_, L> {
     }
 }
 
+/// The level that a pixel keeps of one that it holds and one that comes.
+#[inline]
+pub fn settle<L: Level>(collision: Collision, old: L, new: L) -> L {
+    match collision {
+        Collision::Nearest => old.min(new),
+        Collision::Farthest => old.max(new),
+        Collision::First => old,
+        Collision::Last => new,
+    }
+}
+
 /// The smaller of two levels, an empty pixel's counting as the largest.
 #[inline]
 fn nearest<L: Level>(old: L, new: L) -> L {

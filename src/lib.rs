@@ -58,8 +58,10 @@ mod image;
 mod insert;
 mod kernel;
 pub mod packet;
+mod packet_encoder;
 mod point;
 mod quantize;
+mod returns;
 mod tally;
 
 #[cfg(feature = "std")]
@@ -80,7 +82,7 @@ pub mod simulate;
 pub use coder::{
     Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
 };
-pub use config::{Config, LatticeConfig, Scale, Settings};
+pub use config::{Config, FrameSettings, GridConfig, GridSettings, LatticeConfig, Scale, Settings};
 pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
 pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};
 pub use firings_config::FiringsConfig;
@@ -89,8 +91,10 @@ pub use frame::{Geometry, Header};
 pub use geometry::{Placement, UniformGrid, UniformView};
 pub use image::{ImageView, ImageViewMut, Level, RangeImage};
 pub use insert::{Collision, OutOfView, Policy};
+pub use packet_encoder::{EncodedTurn, PacketEncoder, PushError};
 pub use point::{BLOCK_LEN, Block, Points, StridedPoints};
 pub use quantize::{OutOfScale, Quantizer};
+pub use returns::GridReturn;
 pub use tally::Tally;
 
 #[cfg(feature = "std")]

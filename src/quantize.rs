@@ -145,6 +145,11 @@ impl Quantizer {
         }
     }
 
+    /// A length in steps.
+    pub(crate) const fn steps_in(&self, length_m: f32) -> f32 {
+        length_m * self.steps_per_m
+    }
+
     /// Range / step to the nearest whole number, at most 2^16; NaN gives 0.
     #[inline]
     pub(crate) fn rounded(&self, range_m: f32) -> u32 {

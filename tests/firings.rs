@@ -50,7 +50,9 @@ fn assert_all_there(points: &[[f32; 3]], bytes: &[u8], within_m: f64) {
     let decoded = decoder.decode(bytes).unwrap().points();
     assert_eq!(decoded.len(), points.len());
     let mut tree: kd::Tree = kd::Tree::default();
-    decoded.iter().for_each(|point| tree.add(*point));
+    for point in &decoded {
+        tree.add(*point);
+    }
     for point in points {
         let off = tree.nearest_m(*point);
         assert!(off <= within_m, "{point:?} is {off} m from any");

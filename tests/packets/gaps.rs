@@ -1,7 +1,7 @@
 //! Lost, late, doubled packets: what is missing is marked, what is there stays where it was.
 
-use crate::captures::{Placed, Stream};
 use crate::models::MODELS;
+use crate::stream::{Placed, Stream};
 use crate::writer::{self, Plan};
 use flicr::packet::{GapCause, Model, OusterFormat, OusterProfile, PacketError, ReturnPolicy, Sensor};
 use proptest::prelude::*;

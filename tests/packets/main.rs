@@ -1,12 +1,14 @@
-//! Packets: every return of the shared captures, models without captures, bad packets.
+//! Packets: models and policies, lost and bad packets, from packets made here. Captures are in `tests/real`.
 
 #![allow(clippy::cast_possible_wrap)] // small numbers
 
 mod bad;
-mod captures;
+#[path = "../common/packet_bench.rs"]
+mod bench;
+mod frames;
 mod gaps;
-mod hesai;
 mod models;
-mod ouster;
-mod velodyne;
+#[path = "../common/packet_stream.rs"]
+mod stream;
+#[path = "../common/packet_writer.rs"]
 mod writer;

@@ -1,6 +1,6 @@
 //! Every model, single and dual, from packets written by an independent writer.
 
-use crate::captures::{Placed, Stream};
+use crate::stream::{Placed, Stream};
 use crate::writer::{self, Echo, Plan};
 use flicr::packet::{GapCause, Model, OusterFormat, OusterProfile, ReturnPolicy, Sensor, TurnCut};
 

@@ -11,6 +11,7 @@ mod firings;
 mod geometry;
 mod lattice;
 mod metrics;
+mod packets;
 mod paper;
 mod simulate;
 
@@ -41,6 +42,22 @@ const TESTS: &[(&str, fn())] = &[
     ("lattice::few_points_are_lost_on_other_columns", lattice::few_points_are_lost_on_other_columns),
     ("lattice::raw_scans_are_told_to_be_on_the_grid", lattice::raw_scans_are_told_to_be_on_the_grid),
     ("metrics::agree_with_scipy", metrics::agree_with_scipy),
+    ("packets::every_flipped_bit", packets::bad::captured_packets_survive_every_flipped_bit),
+    ("packets::pandar40p", packets::hesai::pandar40p_has_every_reference_point),
+    ("packets::pandar_xt32", packets::hesai::pandar_xt32_has_every_reference_point),
+    #[cfg(feature = "cli")]
+    ("packets::os0_32_dual", packets::ouster::os0_32_dual_equals_the_sdk),
+    #[cfg(feature = "cli")]
+    ("packets::os1_128_low_rate", packets::ouster::os1_128_low_rate_equals_the_sdk),
+    ("packets::vlp16_dual", packets::velodyne::vlp16_dual_equals_the_independent_decode),
+    ("packets::vlp32c", packets::velodyne::vlp32c_equals_the_independent_decode),
+    ("packets::vlp16_turns_are_whole", packets::velodyne::vlp16_turns_are_whole),
+    ("packets::vlp32c_blind_sector", packets::velodyne::vlp32c_blind_sector_is_told_from_loss),
+    ("packets::vlp16_through_frames", packets::frames::vlp16_comes_back_from_frames),
+    ("packets::vlp32c_through_frames", packets::frames::vlp32c_comes_back_from_frames),
+    ("packets::pandar40p_through_frames", packets::frames::pandar40p_comes_back_from_frames),
+    #[cfg(feature = "cli")]
+    ("packets::ouster_through_frames", packets::frames::ouster_comes_back_from_frames),
     ("paper::presets_lose_and_err_as_the_paper_does", paper::presets_lose_and_err_as_the_paper_does),
     ("simulate::the_beam_table_is_the_fit", simulate::the_beam_table_is_the_fit),
     ("simulate::statistics_are_those_of_real_scans", simulate::statistics_are_those_of_real_scans),

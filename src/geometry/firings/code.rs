@@ -27,12 +27,12 @@ struct Probability {
 
 impl Probability {
     const NEW: Self = Self { one: 1 << 15, seen: 0 };
-    const SEEN_MAX: usize = 30;
+    const SEEN_MAX: i32 = 30;
     /// Weight of the bit after so many, 2^-16: as if each had been seen 0.4 times before.
-    const WEIGHTS: [i32; Self::SEEN_MAX + 1] = {
-        let (mut weights, mut seen) = ([0; Self::SEEN_MAX + 1], 0);
+    const WEIGHTS: [i32; Self::SEEN_MAX as usize + 1] = {
+        let (mut weights, mut seen) = ([0; Self::SEEN_MAX as usize + 1], 0);
         while seen <= Self::SEEN_MAX {
-            weights[seen] = 655_360 / (10 * seen as i32 + 18);
+            weights[seen as usize] = 655_360 / (10 * seen + 18);
             seen += 1;
         }
         weights
@@ -41,7 +41,7 @@ impl Probability {
     fn learn(&mut self, bit: bool) {
         let weight = Self::WEIGHTS.get(usize::from(self.seen)).copied().unwrap_or(0);
         let (target, one) = (if bit { 65_535 } else { 0 }, i32::from(self.one));
-        let learned = one + ((target - one) * (weight >> 2) >> 14);
+        let learned = one + (((target - one) * (weight >> 2)) >> 14);
         self.one = learned.clamp(128, 65_535 - 128) as u16;
         self.seen = (self.seen + 1).min(Self::SEEN_MAX as u8);
     }

@@ -12,7 +12,7 @@ use crate::quantize::Quantizer;
 /// Lines for the largest sensor.
 const LINES: usize = 258;
 /// How far beams are looked for beside each other, of a turn: 22 degrees.
-const APART: usize = 16;
+const APART: u32 = 16;
 
 /// What [`find_firings`] found.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +26,7 @@ pub struct FoundFirings {
 /// Bits of a turn, twice over, so that a turn can begin at any of them.
 struct Turn {
     words: Vec<u64>,
-    ticks: usize,
+    ticks: u32,
 }
 
 /// Finds the ticks that a sensor fired at in a turn, where all beams share them once whole ticks are added to each
@@ -51,19 +51,21 @@ pub fn find_firings(
     points: &(impl Points + ?Sized),
     grid: &SensorGrid<'_>,
 ) -> Result<Option<FoundFirings>, ConfigError> {
-    let ticks = grid.ticks as usize;
-    let beams = ticks_of_beams(points, &Lattice::<LINES>::new(*grid, ticks)?);
-    let fullest = beams.iter().map(Vec::len).max().unwrap_or(0);
+    let ticks = grid.ticks;
+    let beams = ticks_of_beams(points, &Lattice::<LINES>::new(*grid, ticks as usize)?);
+    let fullest = beams.iter().map(Vec::len).max().unwrap_or(0) as u32;
     let is_shared = |found: &Turn| found.len() > 0 && 2 * found.len() <= 3 * fullest && 4 * found.len() <= 3 * ticks;
     let mut as_they_are = Turn::new(ticks);
-    beams.iter().for_each(|beam| as_they_are.set(beam, 0));
+    for beam in &beams {
+        as_they_are.set(beam, 0);
+    }
     let (found, added) =
         if is_shared(&as_they_are) { (as_they_are, vec![0; beams.len()]) } else { align(&beams, ticks) };
     Ok(is_shared(&found).then(|| FoundFirings { beams: turned(grid, &added), ticks: found.iter().collect() }))
 }
 
 /// The ticks of each beam's returns, ascending.
-fn ticks_of_beams(points: &(impl Points + ?Sized), lattice: &Lattice<'_, LINES>) -> Vec<Vec<usize>> {
+fn ticks_of_beams(points: &(impl Points + ?Sized), lattice: &Lattice<'_, LINES>) -> Vec<Vec<u32>> {
     let ticks = usize::from(lattice.columns());
     let mut seen = vec![false; usize::from(lattice.rows()) * ticks];
     let (mut pixels, quantizer) = (Pixels::new(), Quantizer::with_step(16, lattice.grid().range_unit_m));
@@ -78,17 +80,17 @@ fn ticks_of_beams(points: &(impl Points + ?Sized), lattice: &Lattice<'_, LINES>)
             }
         }
     });
-    let of_row = |row: &[bool]| row.iter().enumerate().filter(|(_, seen)| **seen).map(|(tick, _)| tick).collect();
+    let of_row = |row: &[bool]| (0..).zip(row).filter(|(_, seen)| **seen).map(|(tick, _)| tick).collect();
     seen.chunks_exact(ticks).map(of_row).collect()
 }
 
 /// The ticks that all beams share, and what is added to each beam's own: beam after beam, the fullest first, goes where
 /// most of its ticks are there already.
-fn align(beams: &[Vec<usize>], ticks: usize) -> (Turn, Vec<i32>) {
+fn align(beams: &[Vec<u32>], ticks: u32) -> (Turn, Vec<i32>) {
     let mut order: Vec<usize> = (0..beams.len()).collect();
     order.sort_by_key(|&beam| core::cmp::Reverse(beams[beam].len()));
     let (mut shared, mut added) = (Turn::new(ticks), vec![0; beams.len()]);
-    let apart = (ticks / APART) as i32;
+    let apart = (ticks / APART).cast_signed();
     for beam in order {
         let mut own = Turn::new(ticks);
         own.set(&beams[beam], 0);
@@ -112,33 +114,36 @@ fn turned(grid: &SensorGrid<'_>, added: &[i32]) -> Vec<Beam> {
 }
 
 impl Turn {
-    fn new(ticks: usize) -> Self {
-        Self { words: vec![0; (2 * ticks).div_ceil(64) + 1], ticks }
+    fn new(ticks: u32) -> Self {
+        Self { words: vec![0; (2 * ticks as usize).div_ceil(64) + 1], ticks }
     }
 
     /// Adds ticks, each with `added` to it.
-    fn set(&mut self, ticks: &[usize], added: i32) {
+    fn set(&mut self, ticks: &[u32], added: i32) {
         for &tick in ticks {
-            let tick = (tick as i64 + i64::from(added)).rem_euclid(self.ticks as i64) as usize;
+            let tick = self.around(tick, added);
             for bit in [tick, tick + self.ticks] {
-                self.words[bit / 64] |= 1 << (bit % 64);
+                self.words[bit as usize / 64] |= 1 << (bit % 64);
             }
         }
     }
 
-    fn iter(&self) -> impl Iterator<Item = u32> {
-        let bit = |bit: &usize| self.words[bit / 64] >> (bit % 64) & 1 == 1;
-        (0..self.ticks).filter(bit).map(|tick| tick as u32)
+    fn around(&self, tick: u32, added: i32) -> u32 {
+        (i64::from(tick) + i64::from(added)).rem_euclid(self.ticks.into()) as u32
     }
 
-    fn len(&self) -> usize {
-        self.iter().count()
+    fn iter(&self) -> impl Iterator<Item = u32> {
+        (0..self.ticks).filter(|&tick| self.words[tick as usize / 64] >> (tick % 64) & 1 == 1)
+    }
+
+    fn len(&self) -> u32 {
+        self.iter().count() as u32
     }
 
     /// How many of `other`'s ticks are here, when `added` is added to them.
     fn in_common(&self, other: &Self, added: i32) -> u32 {
-        let from = i64::from(added).rem_euclid(self.ticks as i64) as usize;
-        let (words, last_bits) = (self.ticks / 64, self.ticks % 64);
+        let from = self.around(0, added) as usize;
+        let (words, last_bits) = (self.ticks as usize / 64, self.ticks % 64);
         let here = |word: usize| {
             let (at, bit) = ((64 * word + from) / 64, (64 * word + from) % 64);
             if bit == 0 { self.words[at] } else { self.words[at] >> bit | self.words[at + 1] << (64 - bit) }

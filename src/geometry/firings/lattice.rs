@@ -52,6 +52,16 @@ impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> FiringLatti
         (mark | (row * columns + column), off)
     }
 
+    /// The column of a return; `None` where the sensor has no such tick.
+    pub(crate) fn column(&self, row: u16, tick: u32) -> Option<u32> {
+        let (ticks, columns) = (self.firings.ticks(), u32::from(self.firings.len()));
+        if tick >= ticks {
+            return None;
+        }
+        // Below both numbers: no product is beyond that of rows and ticks.
+        Some(self.pixel(u32::from(row) * ticks + tick).0 % columns.max(1))
+    }
+
     /// How many ticks each point of a block is away from the firing that it goes to.
     pub(crate) fn ticks_off(&self, block: &Block, quantizer: &Quantizer) -> [u32; BLOCK_LEN] {
         let mut pixels = Pixels::new();

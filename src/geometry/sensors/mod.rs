@@ -49,6 +49,60 @@ pub struct SensorGeometry {
     pub fire_ns: &'static [i32],
 }
 
+impl SensorGeometry {
+    /// The grid of the columns' own ticks: what the sensor would measure on if all beams fired at once. The azimuths of
+    /// beams that fire `f` nanoseconds later are off by what the sensor turns meanwhile, at 600 turns a minute
+    /// 0.0036 degrees a microsecond; [`beams_at`](Self::beams_at) has that in.
+    #[must_use]
+    pub const fn grid(&self) -> SensorGrid<'static> {
+        self.grid_of(self.beams)
+    }
+
+    /// The sensor's grid with other beams: those of [`beams_at`](Self::beams_at), or a unit's own.
+    #[must_use]
+    pub const fn grid_of<'a>(&self, beams: &'a [Beam]) -> SensorGrid<'a> {
+        let Spin { ticks_per_turn, clockwise, zero_rad, range_unit_m, .. } = self.spin;
+        SensorGrid { name: self.name, beams, ticks: ticks_per_turn, clockwise, zero_rad, range_unit_m }
+    }
+
+    /// The beams as they look while the sensor makes `turns_per_minute`: each further on by what the sensor turns from
+    /// the column's time to the beam's. `None` unless `N` is the number of beams.
+    ///
+    /// A sensor that turns 1 % faster or slower is off by 0.002 degrees at the last beam of a VLP-16.
+    ///
+    /// ```
+    /// use flicr::geometry::{Beam, SensorGrid, sensors::velodyne};
+    /// static BEAMS: [Beam; 16] = velodyne::VLP16.beams_at(600).expect("16 beams");
+    /// static GRID: SensorGrid = velodyne::VLP16.grid_of(&BEAMS);
+    /// ```
+    #[must_use]
+    pub const fn beams_at<const N: usize>(&self, turns_per_minute: u32) -> Option<[Beam; N]> {
+        if N != self.beams.len() {
+            return None;
+        }
+        let mut beams =
+            [Beam { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 }; N];
+        let _ = self.fill_beams_at(turns_per_minute, &mut beams);
+        Some(beams)
+    }
+
+    /// As [`beams_at`](Self::beams_at), into the front of `out`; gives what it wrote, `None` where `out` is too short.
+    #[must_use]
+    pub const fn fill_beams_at<'a>(&self, turns_per_minute: u32, out: &'a mut [Beam]) -> Option<&'a [Beam]> {
+        let Some((out, _)) = out.split_at_mut_checked(self.beams.len()) else { return None };
+        let turns_per_ns = turns_per_minute as f64 / 60e9;
+        let rad_per_ns = turns_per_ns * if self.spin.clockwise { -2.0 * PI } else { 2.0 * PI };
+        let mut row = 0;
+        while row < out.len() && row < self.beams.len() && row < self.fire_ns.len() {
+            out[row] = self.beams[row];
+            let phase_rad = self.beams[row].azimuth_phase_rad as f64 + rad_per_ns * self.fire_ns[row] as f64;
+            out[row].azimuth_phase_rad = phase_rad as f32;
+            row += 1;
+        }
+        Some(out)
+    }
+}
+
 impl Spin {
     /// Angle, in radians counterclockwise from the x axis, at which a beam fires.
     ///

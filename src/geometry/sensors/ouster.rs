@@ -4,7 +4,7 @@
 //! ouster-sdk's; ticks (measurement ids) grow clockwise. Source of the formulas: Ouster's software
 //! user manual, "Coordinate Frames and XYZ Calculation".
 
-use super::{Beam, Spin};
+use super::{Beam, SensorGrid, Spin};
 use crate::packet::{MAX_ROWS, OusterFormat, OusterProfile};
 use serde_json::Value;
 use std::{fmt, string::String, vec::Vec};
@@ -77,6 +77,16 @@ impl OusterSensor {
             beams: metadata.beams(rows)?,
             shift_by_row: metadata.list("pixel_shift_by_row", rows)?.iter().map(|&shift| shift as i32).collect(),
         })
+    }
+}
+
+impl OusterSensor {
+    /// The sensor's own grid: rows are its beams, ticks its measurement ids.
+    #[must_use]
+    pub fn grid(&self) -> SensorGrid<'_> {
+        let Spin { ticks_per_turn, clockwise, zero_rad, range_unit_m, .. } = self.spin;
+        let (name, beams) = (self.name.as_str(), self.beams.as_slice());
+        SensorGrid { name, beams, ticks: ticks_per_turn, clockwise, zero_rad, range_unit_m }
     }
 }
 

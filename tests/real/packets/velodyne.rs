@@ -1,6 +1,7 @@
 //! VLP-16 and VLP-32C against velodyne-decoder: same beam, same count, same azimuth.
 
-use crate::captures::{Placed, Stream, apart_deg, payloads, xyzir};
+use super::captures::{apart_deg, payloads, xyzir};
+use super::stream::{Placed, Stream};
 use flicr::geometry::sensors::{SensorGeometry, velodyne};
 use flicr::packet::{GapCause, Model, ReturnPolicy, Sensor};
 
@@ -14,28 +15,26 @@ struct Point {
     azimuth_deg: f64,
 }
 
-fn points(path: &str, sensor: &SensorGeometry) -> Option<Vec<Point>> {
+fn points(path: &str, sensor: &SensorGeometry) -> Vec<Point> {
     let rows = sensor.beams.len() as u16;
     let unit = f64::from(sensor.spin.range_unit_m);
-    Some(
-        xyzir(path)?
-            .iter()
-            .map(|&[x, y, z, _, ring]| {
-                let [x, y, z] = [x, y, z].map(f64::from);
-                // Rings count from below, from 512 on for last returns.
-                let row = rows - 1 - ring as u16 % 512;
-                let beam = &sensor.beams[usize::from(row)];
-                let v = f64::from(beam.slope).atan();
-                let vo = f64::from(beam.z_offset_m) * v.cos();
-                let range = x.hypot(y) * v.cos() + vo * v.sin() * v.cos() + (z - vo * v.cos()) * v.sin();
-                Point {
-                    beam: row as u8,
-                    count: (range - f64::from(beam.range_phase_m)) / unit,
-                    azimuth_deg: (-y).atan2(x).to_degrees().rem_euclid(360.0),
-                }
-            })
-            .collect(),
-    )
+    xyzir(path)
+        .iter()
+        .map(|&[x, y, z, _, ring]| {
+            let [x, y, z] = [x, y, z].map(f64::from);
+            // Rings count from below, from 512 on for last returns.
+            let row = rows - 1 - ring as u16 % 512;
+            let beam = &sensor.beams[usize::from(row)];
+            let v = f64::from(beam.slope).atan();
+            let vo = f64::from(beam.z_offset_m) * v.cos();
+            let range = x.hypot(y) * v.cos() + vo * v.sin() * v.cos() + (z - vo * v.cos()) * v.sin();
+            Point {
+                beam: row as u8,
+                count: (range - f64::from(beam.range_phase_m)) / unit,
+                azimuth_deg: (-y).atan2(x).to_degrees().rem_euclid(360.0),
+            }
+        })
+        .collect()
 }
 
 /// Clockwise azimuth at which a beam fired.
@@ -113,9 +112,7 @@ fn best_match(points: &[Point], ours: &[Placed], sensor: &SensorGeometry) -> Mat
 }
 
 fn check(capture: &str, scan: &str, sensor: &SensorGeometry) {
-    let (Some(packets), Some(points)) = (payloads(capture, 2368), points(scan, sensor)) else {
-        return;
-    };
+    let (packets, points) = (payloads(capture, 2368), points(scan, sensor));
     let stream = Stream::of(&packets, Sensor::Auto, ReturnPolicy::Both);
     assert_eq!(stream.stats.refused(), 0, "{:?}", stream.errors);
     let matched = best_match(&points, &stream.returns, sensor);
@@ -133,15 +130,13 @@ fn check(capture: &str, scan: &str, sensor: &SensorGeometry) {
     assert_eq!(extra.len(), seconds, "{:?}", extra.first());
 }
 
-#[test]
-fn vlp16_dual_equals_the_independent_decode() {
+pub fn vlp16_dual_equals_the_independent_decode() {
     for scan in ["00", "03"] {
         check("velodyne/vlp16_dual.pcap", &format!("velodyne/vlp16_dual.scan{scan}.xyzir.bin"), &velodyne::VLP16);
     }
 }
 
-#[test]
-fn vlp32c_equals_the_independent_decode() {
+pub fn vlp32c_equals_the_independent_decode() {
     for scan in ["01", "02"] {
         check(
             "velodyne/vlp32c_single.pcap",
@@ -151,11 +146,8 @@ fn vlp32c_equals_the_independent_decode() {
     }
 }
 
-#[test]
-fn vlp16_turns_are_whole() {
-    let Some(packets) = payloads("velodyne/vlp16_dual.pcap", 2368) else {
-        return;
-    };
+pub fn vlp16_turns_are_whole() {
+    let packets = payloads("velodyne/vlp16_dual.pcap", 2368);
     let stream = Stream::of(&packets, Sensor::Spinning(Model::Vlp16), ReturnPolicy::Last);
     // Ten turns a second: 100 ms / 55.296 us.
     for turn in &stream.turns[1..stream.turns.len() - 1] {
@@ -166,11 +158,8 @@ fn vlp16_turns_are_whole() {
     assert_eq!(stream.stats.columns, 1206 * 12);
 }
 
-#[test]
-fn vlp32c_blind_sector_is_told_from_loss() {
-    let Some(packets) = payloads("velodyne/vlp32c_single.pcap", 2368) else {
-        return;
-    };
+pub fn vlp32c_blind_sector_is_told_from_loss() {
+    let packets = payloads("velodyne/vlp32c_single.pcap", 2368);
     let stream = Stream::of(&packets, Sensor::Auto, ReturnPolicy::Strongest);
     assert_eq!(stream.stats.lost_columns, 0, "{:?}", stream.gaps);
     let blind = |turn| {

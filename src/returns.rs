@@ -1,0 +1,209 @@
+//! Returns into the range image: a sensor's own integers, so that neither a coordinate nor a float is needed.
+//!
+//! The row is the beam, the column follows from the tick, the level from the range count; collisions are settled and
+//! everything is counted as for points (`insert`). A point's way to the same pixel is [`Lattice`](crate::geometry::Lattice)'s.
+
+use core::num::{NonZeroU32, NonZeroU64};
+
+use crate::image::Level;
+use crate::insert::{Collision, settle};
+use crate::packet::{Column, Return};
+use crate::quantize::Quantizer;
+use crate::tally::Tally;
+
+/// One return in its sensor's own integers: what a frame keeps of it. Intensity and time are not in a frame.
+///
+/// ```
+/// use flicr::geometry::sensors::hdl64e;
+/// use flicr::{Encoder, GridConfig, GridReturn, Rle, Stamp};
+/// let mut encoder: Encoder<64, 500, u16, Rle> = Encoder::new(Rle::new());
+/// let mut frame = encoder.start(&GridConfig::new(hdl64e::GRID, 500), Stamp::default())?;
+/// frame.insert_returns([GridReturn { row: 3, tick: 800, count: 5000 }, GridReturn { row: 4, tick: 800, count: 0 }]);
+/// let mut out = [0; 2000];
+/// let tally = frame.finish(&mut out)?.tally;
+/// assert_eq!((tally.kept(), tally.no_return), (1, 1));
+/// # Ok::<(), flicr::EncodeError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct GridReturn {
+    /// The beam; row 0 is the highest.
+    pub row: u16,
+    /// The encoder's tick, less than [`SensorGrid::ticks`](crate::geometry::SensorGrid::ticks).
+    pub tick: u32,
+    /// Range in [`SensorGrid::range_unit_m`](crate::geometry::SensorGrid::range_unit_m); 0 is no return.
+    pub count: u32,
+}
+
+impl From<Return> for GridReturn {
+    fn from(found: Return) -> Self {
+        Self { row: found.beam.into(), tick: found.tick.into(), count: found.count }
+    }
+}
+
+/// Range counts to levels: level = count x unit / step, rounded, by one integer multiplication.
+///
+/// The quotient unit / step is an `f32`'s 24 bits, so that the level is off the exact quotient by no more than the
+/// quantizer's bound allows for; a count midway between two levels gets either.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CountLevels {
+    /// 2^32 x 2 x unit / step, less 2^`shift`.
+    factor: u32,
+    shift: u32,
+    /// Counts beyond are far beyond every level.
+    count_max: u32,
+}
+
+impl CountLevels {
+    /// `unit_m` is a sensor's range unit: positive, at most a meter.
+    pub(crate) fn new(unit_m: f32, quantizer: &Quantizer) -> Self {
+        let bits = quantizer.steps_in(unit_m).to_bits();
+        // Of 2 x quotient = factor x 2^(shift - 32), with the mantissa's bits at the top of the factor.
+        let (mantissa, shift) = ((bits << 8) | 1 << 31, (bits >> 23).cast_signed() - 125);
+        let factor = if shift < 0 { mantissa >> shift.unsigned_abs().min(31) } else { mantissa };
+        let shift = shift.clamp(0, 31).unsigned_abs();
+        Self { factor, shift, count_max: u32::MAX >> shift }
+    }
+
+    /// The level, 0 where the count is less than half a step, more than the largest where it has none.
+    #[inline(always)]
+    pub(crate) const fn level(self, count: u32) -> u32 {
+        let count = if count < self.count_max { count } else { self.count_max };
+        let twice = ((count << self.shift) as u64 * self.factor as u64) >> 32;
+        (twice as u32 + 1) >> 1
+    }
+}
+
+/// Ticks to columns: the column whose center is nearest, of two the one behind. Exact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TickColumns {
+    ticks: u32,
+    columns: u16,
+    last: (u32, u32),
+}
+
+impl TickColumns {
+    pub(crate) const fn new(ticks: u32, columns: u16) -> Self {
+        Self { ticks, columns, last: (0, 0) }
+    }
+
+    /// `None` where the sensor has no such tick. Sensors fire many beams at a tick: the last answer is kept.
+    #[inline(always)]
+    pub(crate) fn column(&mut self, tick: u32) -> Option<u32> {
+        if tick != self.last.0 {
+            self.last = (tick, column(tick, self.ticks, self.columns)?);
+        }
+        Some(self.last.1)
+    }
+}
+
+/// (tick x columns / ticks), rounded, around the turn.
+fn column(tick: u32, ticks: u32, columns: u16) -> Option<u32> {
+    if tick >= ticks {
+        return None;
+    }
+    let columns = u32::from(columns);
+    if ticks == columns {
+        return Some(tick);
+    }
+    let column = match (ticks.checked_mul(2 * columns).and_then(|most| most.checked_add(ticks)), ticks.checked_mul(2)) {
+        // As every sensor in use has it: a division that a Cortex-M has an instruction for.
+        (Some(_), Some(twice)) => (2 * tick * columns + ticks) / NonZeroU32::new(twice)?,
+        _ => {
+            let twice = NonZeroU64::new(2 * u64::from(ticks))?;
+            ((2 * u64::from(tick) * u64::from(columns) + u64::from(ticks)) / twice) as u32
+        }
+    };
+    Some(if column < columns { column } else { 0 })
+}
+
+/// A range image and what it takes to put returns into it.
+pub(crate) struct ReturnInserter<'a, L: Level> {
+    pub(crate) scale: CountLevels,
+    pub(crate) max_level: u16,
+    pub(crate) collision: Collision,
+    pub(crate) columns: usize,
+    pub(crate) levels: &'a mut [L],
+    pub(crate) tally: &'a mut Tally,
+}
+
+/// What became of returns that are not in the image, and of those that another took the place of.
+#[derive(Debug, Clone, Copy, Default)]
+struct Refused {
+    none: u32,
+    too_near: u32,
+    beyond_range: u32,
+    out_of_view: u32,
+    collided: u32,
+}
+
+impl<L: Level> ReturnInserter<'_, L> {
+    /// Puts the returns of one firing into an image's column; `None` counts them as out of view.
+    #[inline(never)]
+    pub(crate) fn insert_column(&mut self, cells: &Column<'_>, column: Option<u32>) {
+        let (scale, max_level, collision) = (self.scale, u32::from(self.max_level), self.collision);
+        let first = column.map_or(usize::MAX, |column| column as usize);
+        let (columns, levels) = (self.columns, &mut *self.levels);
+        let mut refused = Refused::default();
+        cells.for_each_cell(|row, cell| {
+            let level = scale.level(cell.count);
+            if level.wrapping_sub(1) >= max_level {
+                refused.count(cell.count, level);
+                return;
+            }
+            let pixel = first.wrapping_add(usize::from(row).wrapping_mul(columns));
+            refused.put(levels.get_mut(pixel), L::new(level as u16), collision);
+        });
+        self.count(cells.rows() as u32, refused);
+    }
+
+    /// Puts one return into an image's column; `None` counts it as out of view.
+    #[inline(always)]
+    pub(crate) fn insert_one(&mut self, found: GridReturn, column: Option<u32>) {
+        let mut refused = Refused::default();
+        let level = self.scale.level(found.count);
+        if level.wrapping_sub(1) >= u32::from(self.max_level) {
+            refused.count(found.count, level);
+        } else {
+            let pixel = column.map(|column| usize::from(found.row) * self.columns + column as usize);
+            let pixel = pixel.and_then(|pixel| self.levels.get_mut(pixel));
+            refused.put(pixel, L::new(level as u16), self.collision);
+        }
+        self.count(1, refused);
+    }
+
+    #[inline(always)]
+    fn count(&mut self, points: u32, refused: Refused) {
+        self.tally.points += points;
+        self.tally.no_return += refused.none;
+        self.tally.too_near += refused.too_near;
+        self.tally.beyond_range += refused.beyond_range;
+        self.tally.out_of_view += refused.out_of_view;
+        self.tally.collided += refused.collided;
+    }
+}
+
+impl Refused {
+    #[inline(always)]
+    fn put<L: Level>(&mut self, pixel: Option<&mut L>, level: L, collision: Collision) {
+        match pixel {
+            Some(pixel) if *pixel == L::NONE => *pixel = level,
+            Some(pixel) => {
+                self.collided += 1;
+                *pixel = settle(collision, *pixel, level);
+            }
+            None => self.out_of_view += 1,
+        }
+    }
+
+    #[inline(always)]
+    fn count(&mut self, count: u32, level: u32) {
+        if count == 0 {
+            self.none += 1;
+        } else if level == 0 {
+            self.too_near += 1;
+        } else {
+            self.beyond_range += 1;
+        }
+    }
+}
