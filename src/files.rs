@@ -7,6 +7,8 @@
 //! | `.pcd` | [`pcd`]: ASCII, binary, LZF-compressed | yes | binary |
 //! | `.ply` | [`ply`] | no | binary, little-endian |
 //!
+//! With feature `cli`, `capture` reads pcap and pcapng files, which hold packets instead of points.
+//!
 //! Every reader takes the bytes and trusts none of them: memory is bounded by their number, not by what a header
 //! claims, and an error says where, what was found and what was expected.
 //!
@@ -22,6 +24,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "cli")]
+pub mod capture;
 mod error;
 pub mod kitti;
 pub mod pcd;

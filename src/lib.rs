@@ -75,6 +75,8 @@ pub mod files;
 #[cfg(feature = "std")]
 pub mod metrics;
 #[cfg(feature = "std")]
+mod recognize;
+#[cfg(feature = "std")]
 pub mod sensor;
 #[cfg(feature = "std")]
 pub mod simulate;
@@ -101,3 +103,5 @@ pub use tally::Tally;
 pub use choose::{Advice, GeometryChoice, Trial, choose_geometry};
 #[cfg(feature = "std")]
 pub use decoder::{Decoder, Frame, Levels, Limits};
+#[cfg(feature = "std")]
+pub use recognize::{Recognition, recognize_sensor};

@@ -1,10 +1,14 @@
 //! The command line's words, and what `encode`, `eval` and `view` share of them.
 
+use std::rc::Rc;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use flicr::geometry::sensors::ouster::OusterSensor;
 
 use flicr::{Config, Scale};
 
 use crate::failure::Failure;
+use crate::sensors::Asked;
 use crate::{calibrate, decode, encode, eval, info, simulate, view};
 
 /// LiDAR scans to a few kilobytes and back, with a known error.
@@ -20,9 +24,10 @@ Examples:
   flicr simulate -o street.bin                 a scan to try things with
   flicr encode street.bin -o street.flicr      120,000 points to 50 KB
   flicr decode street.flicr -o back.pcd        and back
-  flicr eval street.bin --columns 4500,256     what it costs and what it saves
+  flicr eval street.bin --columns native,256   what it costs and what it saves
   flicr view street.bin -o street.png          how it looks
   flicr calibrate drive/*.bin -o sensor.toml   the sensor's own grid, from its scans
+  flicr encode turns.pcap -o turns.flicr       a frame for every turn of a capture
 
 Exit codes: 0 fine, 1 bad data, 2 bad usage.";
 
@@ -52,18 +57,25 @@ impl Command {
 }
 
 /// What frames are to be like; the columns apart, for `eval` takes several.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Frame")]
 pub struct FrameArgs {
-    /// How points are put into pixels and taken out again
-    #[arg(long, value_enum, default_value_t = Preset::Uniform)]
-    pub preset: Preset,
-    /// Rows of the range image, from the highest elevation to the lowest
+    /// Whose beams the rows are: auto (by the points), a built-in sensor's name (hdl64e, hdl32e, vlp16, ...), a file of
+    /// `flicr calibrate` (.toml) or an Ouster's metadata (.json)
+    #[arg(long, value_name = "SENSOR", default_value = "auto", conflicts_with = "preset")]
+    pub sensor: String,
+    /// Rows and columns evenly spread instead of a sensor's, and how points are put into pixels and taken out again
+    #[arg(long, value_enum)]
+    pub preset: Option<Preset>,
+    /// Rows of evenly spread rows, from the highest elevation to the lowest; a sensor has its own
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..))]
     pub rows: u16,
-    /// Bits of a range, 1 to 16: the quantizer has 2^N - 1 steps
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=16))]
-    pub bits: u32,
+    /// Bits of a range, 1 to 16: the quantizer has 2^N - 1 steps [default: 8; with --step 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub bits: Option<u32>,
+    /// Distance of two levels; native is the sensor's range count, and without loss on its own grid
+    #[arg(long, value_name = "METERS|native", value_parser = step, conflicts_with = "max_range")]
+    pub step: Option<Step>,
     /// Range of the largest level; farther points are dropped and counted [default: each scan's farthest point]
     #[arg(long, value_name = "METERS", value_parser = meters)]
     pub max_range: Option<f32>,
@@ -76,20 +88,73 @@ pub struct FrameArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Frame")]
 pub struct ColumnsArg {
-    /// Columns of the range image, all around; the paper's are 4500, 4096, 2048, 1024, 512 and 256
-    #[arg(long, value_name = "N", default_value_t = 4500, value_parser = clap::value_parser!(u16).range(1..))]
-    pub columns: u16,
+    /// Columns of the range image, all around: a number of evenly spread ones (the paper's are 4500, 4096, 2048, 1024,
+    /// 512 and 256), or native: the firings of the sensor on whose grid the scan is [default: native, else 4500]
+    #[arg(long, value_name = "N|native", value_parser = columns)]
+    pub columns: Option<Columns>,
+}
+
+/// Columns of a range image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Columns {
+    /// The sensor's firings where the scan is on its grid.
+    Native,
+    /// So many, evenly spread.
+    Count(u16),
+}
+
+/// Columns by their number, or `native`.
+pub fn columns(text: &str) -> Result<Columns, String> {
+    if text == "native" {
+        return Ok(Columns::Native);
+    }
+    let count = text.parse().ok().filter(|&count| count > 0);
+    count.map(Columns::Count).ok_or_else(|| "expected native or a number from 1 to 65535".to_owned())
+}
+
+/// Distance of two levels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// The sensor's range count.
+    Native,
+    Meters(f32),
+}
+
+fn step(text: &str) -> Result<Step, String> {
+    if text == "native" { Ok(Step::Native) } else { meters(text).map(Step::Meters) }
 }
 
 impl FrameArgs {
     /// The library's configuration.
     pub fn config(&self) -> Config {
         let preset = match self.preset {
-            Preset::Paper => Config::PAPER,
-            Preset::Uniform => Config::UNIFORM,
+            Some(Preset::Paper) => Config::PAPER,
+            Some(Preset::Uniform) | None => Config::UNIFORM,
         };
-        let scale = self.max_range.map_or(preset.scale, |max_range_m| Scale::Fixed { max_range_m });
-        Config { level_bits: self.bits, scale, ..preset }
+        let scale = match (self.step, self.max_range) {
+            (Some(Step::Meters(step_m)), _) => Scale::Step { step_m },
+            (_, Some(max_range_m)) => Scale::Fixed { max_range_m },
+            _ => preset.scale,
+        };
+        Config { level_bits: self.bits(), scale, ..preset }
+    }
+
+    /// Bits of a range.
+    pub fn bits(&self) -> u32 {
+        self.bits.unwrap_or(if self.step.is_some() { 16 } else { 8 })
+    }
+
+    /// An Ouster that was asked for, to read its packets with.
+    pub fn ouster(&self) -> Result<Option<Rc<OusterSensor>>, Failure> {
+        Ok(match self.asked()? {
+            Some(Asked::Ouster(sensor)) => Some(sensor),
+            _ => None,
+        })
+    }
+
+    /// The sensor that was asked for; `None` where it is to be found out.
+    pub fn asked(&self) -> Result<Option<Asked>, Failure> {
+        if self.sensor == "auto" { Ok(None) } else { Asked::named(&self.sensor).map(Some) }
     }
 }
 

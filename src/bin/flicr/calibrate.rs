@@ -12,6 +12,7 @@ use flicr::files::PointCloud;
 use flicr::sensor::Sensor;
 use indicatif::ProgressBar;
 
+use crate::capture::CaptureArgs;
 use crate::failure::Failure;
 use crate::output::Outputs;
 use crate::{console, input};
@@ -20,7 +21,7 @@ use crate::{console, input};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Calibrate {
-    /// Scans: .bin (KITTI), .xyzir.bin or .pcd; eight or more of different places are best
+    /// Scans: .bin (KITTI), .xyzir.bin, .pcd or .pcap; eight or more of different places are best
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// The sensor file
@@ -72,7 +73,7 @@ impl Calibrate {
         let bar = console::progress(self.inputs.len(), "reading");
         let mut clouds = Vec::new();
         for input in &self.inputs {
-            for scan in input::scans(input)? {
+            for scan in input::scans(input, &CaptureArgs::default(), None)? {
                 clouds.push(scan?.cloud);
             }
             bar.inc(1);

@@ -20,6 +20,12 @@ pub fn line(bar: &ProgressBar, text: impl Display) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Something worth knowing on stderr, above the bar: what was chosen, what was passed over.
+pub fn note(bar: &ProgressBar, text: impl Display) {
+    // Where stderr is closed, nobody wants to know.
+    bar.suspend(|| drop(writeln!(io::stderr(), "note: {text}")));
+}
+
 /// For commands that have a file to finish, whoever reads their lines.
 pub fn line_if_read(bar: &ProgressBar, text: impl Display) -> Result<(), Failure> {
     match line(bar, text) {

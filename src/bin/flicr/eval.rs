@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 
-use crate::args::FrameArgs;
+use crate::args::{self, Columns, FrameArgs};
+use crate::capture::CaptureArgs;
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::info::json;
 use crate::input::Scan;
+use crate::plan::Noted;
 use crate::{console, input};
 use measure::{Measured, measure};
 
@@ -21,22 +23,24 @@ use measure::{Measured, measure};
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Eval {
-    /// Scans: .bin (KITTI), .xyzir.bin or .pcd
+    /// Scans: .bin (KITTI), .xyzir.bin or .pcd; captures, every turn of them: .pcap or .pcapng
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// One JSON object a scan and column count, each on a line
     #[arg(long)]
     json: bool,
-    /// Columns of the range image, all around; several with commas: 4500,2048,256
-    #[arg(long, value_name = "N,...", default_value = "4500", value_delimiter = ',',
-          value_parser = clap::value_parser!(u16).range(1..), help_heading = "Frame")]
-    columns: Vec<u16>,
+    /// Columns of the range image, all around; several with commas: native,2048,256 [default: native, else 4500]
+    #[arg(long, value_name = "N|native,...", value_delimiter = ',', value_parser = args::columns, help_heading = "Frame")]
+    columns: Vec<Columns>,
     #[command(flatten)]
     frame: FrameArgs,
+    #[command(flatten)]
+    capture: CaptureArgs,
 }
 
 const EXAMPLES: &str = "\
 Measures (JSON names; a table shows the same, and medians):
+  geometry, sensor  where pixels lie, and whose beams rows are (null: nobody's); why: the reason for the choice
   points, kept      returns of the scan (points at the origin are none), and those of them in the frame
   bytes             the whole frame, header and checksum included
   ratio_xyz, _xyzi  12 and 16 bytes for every point of the file, divided by bytes; bpp: bits for every point
@@ -57,21 +61,29 @@ impl Eval {
         input::check_scan_extensions(&self.inputs)?;
         let mut codecs = self.codecs()?;
         let bar = console::progress(self.inputs.len() * codecs.len(), "measuring");
-        let mut all: Vec<Measured> = Vec::new();
+        let (mut all, mut noted) = (Vec::new(), Noted::default());
+        let ouster = self.frame.ouster()?;
         for input in &self.inputs {
-            for scan in input::scans(input)? {
-                self.measure(&scan?, input, &mut codecs, &bar, &mut all)?;
+            let mut scans = input::scans(input, &self.capture, ouster.as_deref())?;
+            for scan in scans.by_ref() {
+                self.measure(&scan?, input, &mut codecs, (&bar, &mut noted), &mut all)?;
+            }
+            if let Some(complaint) = scans.complaint() {
+                console::note(&bar, format_args!("{}: {complaint}", input.display()));
             }
         }
         bar.finish_and_clear();
-        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all, self.frame.bits)) }
+        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all, self.frame.bits())) }
     }
 
     /// One for each number of columns, those that are asked for twice once.
     fn codecs(&self) -> Result<Vec<Codec>, Failure> {
+        if self.columns.is_empty() {
+            return Ok(vec![Codec::new(&self.frame, None)?]);
+        }
         let mut seen = BTreeSet::new();
         let columns = self.columns.iter().filter(|&columns| seen.insert(columns));
-        columns.map(|&columns| Codec::new(&self.frame, columns)).collect()
+        columns.map(|&columns| Codec::new(&self.frame, Some(columns))).collect()
     }
 
     fn measure(
@@ -79,10 +91,12 @@ impl Eval {
         scan: &Scan,
         input: &Path,
         codecs: &mut [Codec],
-        bar: &ProgressBar,
+        (bar, noted): (&ProgressBar, &mut Noted),
         all: &mut Vec<Measured>,
     ) -> Result<(), Failure> {
         for codec in codecs {
+            let plan = codec.prepare(scan).map_err(|error| Failure::data(input, error))?;
+            noted.note(bar, &scan.name(input), plan);
             let measured = measure(codec, scan, input, &self.frame)?;
             if self.json {
                 console::line(bar, json(&measured))?;

@@ -1,5 +1,7 @@
 //! `flicr info`: what a file holds.
 
+mod capture;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,25 +12,31 @@ use flicr::{Decoder, Geometry, Header, Levels, Limits, Placement, frame};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
+use crate::capture::CaptureArgs;
 use crate::failure::Failure;
 use crate::frames::FrameFile;
 use crate::input::{self, Scan};
 use crate::{console, table};
+use capture::CaptureInfo;
 
 /// Say what a file of frames or points holds; frames are decoded, so that damage is found
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Info {
-    /// A .flicr file, or a scan: .bin, .xyzir.bin or .pcd
+    /// A .flicr file, a scan (.bin, .xyzir.bin or .pcd) or a capture (.pcap or .pcapng)
     input: PathBuf,
     /// One JSON object a frame, each on a line
     #[arg(long)]
     json: bool,
+    /// An Ouster's metadata (.json), for its captures
+    #[arg(long, value_name = "FILE")]
+    metadata: Option<PathBuf>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   flicr info drive.flicr
+  flicr info turns.pcap
   flicr info drive.flicr --json | jq .kept";
 
 impl Info {
@@ -37,6 +45,10 @@ impl Info {
             return self.frames();
         }
         input::check_scan_extension(&self.input)?;
+        if input::is_capture(&self.input) {
+            let args = CaptureArgs { metadata: self.metadata.clone(), ..CaptureArgs::default() };
+            return self.say(&CaptureInfo::new(&self.input, &args)?, CaptureInfo::text);
+        }
         self.say(&CloudInfo::new(&self.input, files::read(&self.input)?), CloudInfo::text)
     }
 
@@ -228,7 +240,7 @@ struct CloudInfo {
 impl CloudInfo {
     fn new(file: &Path, cloud: PointCloud) -> Self {
         let (intensities, rings) = (cloud.intensities.is_some(), cloud.rings.is_some());
-        let scan = Scan { cloud, timestamp_ns: 0 };
+        let scan = Scan { cloud, ..Scan::default() };
         let returns = scan.returns();
         let extreme = |pick: fn(f32, f32) -> f32| {
             returns.iter().copied().reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1]), pick(a[2], b[2])])

@@ -5,11 +5,13 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flicr::files::{self, Format, PointCloud};
+use flicr::geometry::sensors::ouster::OusterSensor;
 
+use crate::capture::{CaptureArgs, CapturedTurn, Turns};
 use crate::failure::Failure;
 
 /// What the reading commands say of their input.
-pub const SCAN_EXTENSIONS: &str = ".bin, .xyzir.bin or .pcd";
+pub const SCAN_EXTENSIONS: &str = ".bin, .xyzir.bin, .pcd, .pcap or .pcapng";
 
 /// One turn of a sensor.
 #[derive(Debug, Clone, Default)]
@@ -18,6 +20,8 @@ pub struct Scan {
     pub cloud: PointCloud,
     /// When the turn began; 0 where the file does not say.
     pub timestamp_ns: u64,
+    /// The same in the sensor's integers, where it was packets.
+    pub turn: Option<CapturedTurn>,
 }
 
 impl Scan {
@@ -28,19 +32,95 @@ impl Scan {
         };
         self.cloud.points.iter().filter(measured).copied().collect()
     }
+
+    /// The file, and the turn where it holds several.
+    pub fn name(&self, file: &Path) -> String {
+        match &self.turn {
+            Some(turn) => format!("{} turn {}", file.display(), turn.number),
+            None => file.display().to_string(),
+        }
+    }
 }
 
-/// The scans of a file, one after the other. Point files hold one each.
-pub fn scans(file: &Path) -> Result<impl Iterator<Item = Result<Scan, Failure>>, Failure> {
+/// The scans of a file, one after the other: point files hold one each, captures one a turn.
+pub enum Scans {
+    Cloud(Option<PointCloud>),
+    Turns { turns: Box<Turns>, args: CaptureArgs, file: PathBuf, found: usize, given: usize },
+}
+
+/// Opens a file of scans.
+pub fn scans(file: &Path, args: &CaptureArgs, ouster: Option<&OusterSensor>) -> Result<Scans, Failure> {
     check_scan_extension(file)?;
-    let cloud = files::read(file)?;
-    Ok(std::iter::once(Ok(Scan { cloud, timestamp_ns: 0 })))
+    if !is_capture(file) {
+        return Ok(Scans::Cloud(Some(files::read(file)?)));
+    }
+    let turns = Box::new(Turns::open(file, args, ouster)?);
+    Ok(Scans::Turns { turns, args: args.clone(), file: file.into(), found: 0, given: 0 })
+}
+
+impl Scans {
+    /// What was wrong with a capture, as far as it was read.
+    pub fn complaint(&self) -> Option<String> {
+        match self {
+            Self::Turns { turns, .. } => turns.complaint(),
+            Self::Cloud(_) => None,
+        }
+    }
+}
+
+impl Iterator for Scans {
+    type Item = Result<Scan, Failure>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (turns, args, file, found, given) = match self {
+            Self::Cloud(cloud) => return cloud.take().map(|cloud| Ok(Scan { cloud, ..Scan::default() })),
+            Self::Turns { turns, args, file, found, given } => (turns, args, file, found, given),
+        };
+        if args.turn.is_some() && *given > 0 {
+            return None;
+        }
+        for scan in turns.by_ref() {
+            let mut scan = match scan {
+                Ok(scan) => scan,
+                error => return Some(error),
+            };
+            let Some(turn) = scan.turn.as_mut().filter(|turn| turn.is_whole || args.partial) else { continue };
+            turn.number = *found;
+            *found += 1;
+            if args.turn.is_none_or(|wanted| wanted == turn.number) {
+                *given += 1;
+                return Some(Ok(scan));
+            }
+        }
+        if *given > 0 {
+            return None;
+        }
+        // Said once: what follows an error is nothing.
+        *given = 1;
+        Some(Err(no_turn(file, args, *found)))
+    }
+}
+
+fn no_turn(file: &Path, args: &CaptureArgs, found: usize) -> Failure {
+    match args.turn {
+        Some(wanted) if found > 0 => {
+            Failure::usage(file, format_args!("no turn {wanted}: found {found} turns, numbered from 0"))
+        }
+        _ => Failure::data(file, "found no whole turn, expected one (--partial also takes those that are cut)"),
+    }
+}
+
+/// Whether a file holds packets.
+pub fn is_capture(file: &Path) -> bool {
+    let extension = file.extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    extension.is_some_and(|extension| extension == "pcap" || extension == "pcapng")
 }
 
 /// Refuses what [`scans`] would not know how to read, before any work is done.
 pub fn check_scan_extension(file: &Path) -> Result<(), Failure> {
     match Format::of(file) {
         Some(Format::Kitti | Format::KittiRing | Format::Pcd) => Ok(()),
+        _ if is_capture(file) => Ok(()),
         _ => Err(Failure::usage(file, format_args!("unknown kind of file: expected {SCAN_EXTENSIONS}"))),
     }
 }

@@ -4,6 +4,7 @@
 mod args;
 mod calibrate;
 mod canvas;
+mod capture;
 mod codec;
 mod console;
 mod decode;
@@ -14,6 +15,8 @@ mod frames;
 mod info;
 mod input;
 mod output;
+mod plan;
+mod sensors;
 mod simulate;
 mod table;
 mod view;

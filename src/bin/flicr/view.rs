@@ -8,14 +8,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flicr::{Decoder, Header, Levels, Limits, Stamp};
+use indicatif::ProgressBar;
 
-use crate::args::{ColumnsArg, FrameArgs, word};
+use crate::args::{ColumnsArg, FrameArgs, Preset, word};
 use crate::canvas::{Area, Canvas};
+use crate::capture::CaptureArgs;
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::frames::FrameFile;
 use crate::input;
 use crate::output::Outputs;
+use crate::plan::{Noted, Plan};
 use crate::table::grouped;
 use color::HeightScale;
 
@@ -23,7 +26,7 @@ use color::HeightScale;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct View {
-    /// A .flicr file, or a scan (.bin, .xyzir.bin, .pcd) that is encoded as the options say
+    /// A .flicr file, or a scan (.bin, .xyzir.bin, .pcd; a turn of a .pcap) that is encoded as the options say
     input: PathBuf,
     /// The PNG
     #[arg(short, long)]
@@ -35,6 +38,8 @@ pub struct View {
     columns: ColumnsArg,
     #[command(flatten)]
     frame: FrameArgs,
+    #[command(flatten)]
+    capture: CaptureArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -74,12 +79,24 @@ impl View {
 
     fn of_scan(&self) -> Result<Picture, Failure> {
         input::check_scan_extension(&self.input)?;
-        let scan = input::scans(&self.input)?.next().unwrap_or_else(|| Ok(input::Scan::default()))?;
+        let mut scans = input::scans(&self.input, &self.capture, self.frame.ouster()?.as_deref())?;
+        let scan = scans.next().unwrap_or_else(|| Ok(input::Scan::default()))?;
         let mut codec = Codec::new(&self.frame, self.columns.columns)?;
         let wrong = |error| Failure::data(&self.input, error);
-        codec.encode(&scan.cloud.points, Stamp::default()).map_err(|error| Failure::data(&self.input, error))?;
-        let title = format!("{}, preset {}", name(&self.input), word(&self.frame.preset));
+        let plan = codec.prepare(&scan).map_err(|error| Failure::data(&self.input, error))?;
+        Noted::default().note(&ProgressBar::hidden(), &scan.name(&self.input), plan);
+        let geometry = geometry(plan, self.frame.preset.as_ref());
+        codec.encode(&scan, Stamp::default()).map_err(|error| Failure::data(&self.input, error))?;
+        let title = format!("{}, {geometry}", scan.name(name(&self.input).as_ref()));
         Picture::new(&title, codec.frame(), Some(scan.returns())).map_err(wrong)
+    }
+}
+
+fn geometry(plan: &Plan, preset: Option<&Preset>) -> String {
+    match (preset, plan.shape.sensor()) {
+        (Some(preset), _) => format!("preset {}", word(preset)),
+        (None, Some(sensor)) => format!("{}, {}", sensor.grid().name, plan.shape.word()),
+        (None, None) => plan.shape.word().to_owned(),
     }
 }
 

@@ -12,6 +12,7 @@ use crate::args::{FrameArgs, word};
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::input::Scan;
+use crate::plan::Plan;
 
 /// Runs of which the fastest counts: the others were disturbed.
 const RUNS: usize = 7;
@@ -20,9 +21,16 @@ const RUNS: usize = 7;
 #[derive(Debug, Serialize)]
 pub struct Measured {
     pub file: String,
+    /// `paper`, `uniform`, or `sensor` where none was asked for.
     pub preset: String,
+    pub geometry: &'static str,
+    pub sensor: Option<String>,
+    pub why: String,
+    /// As asked for; what a table is made by.
+    #[serde(skip)]
+    pub columns_asked: String,
     pub columns: usize,
-    pub rows: u16,
+    pub rows: usize,
     pub coder: String,
     pub points: u32,
     pub kept: u32,
@@ -43,19 +51,25 @@ pub struct Measured {
 
 /// Encodes, decodes and compares.
 pub fn measure(codec: &mut Codec, scan: &Scan, file: &Path, args: &FrameArgs) -> Result<Measured, Failure> {
-    let (encoded, encode_ns) = fastest(|| codec.encode(&scan.cloud.points, Stamp::default()));
+    let (encoded, encode_ns) = fastest(|| codec.encode(scan, Stamp::default()));
     let encoded = encoded.map_err(|error| Failure::data(file, error))?;
     let mut decoder = Decoder::new(Limits::default());
     let mut points = Vec::new();
     let (result, decode_ns) = fastest(|| decoder.decode(codec.frame()).map(|frame| frame.points_into(&mut points)));
     result.map_err(|error| Failure::data(file, error))?;
     let (se, epsnr_db, quality) = compare(scan, &points, &encoded).map_err(|error| Failure::data(file, error))?;
+    let Plan { shape, why } = codec.plan();
+    let sensor = shape.sensor();
     let (bytes, points_in_file) = (encoded.len as f64, scan.cloud.points.len() as f64);
     Ok(Measured {
-        file: file.display().to_string(),
-        preset: word(&args.preset),
-        columns: codec.columns(),
-        rows: args.rows,
+        file: scan.name(file),
+        preset: args.preset.as_ref().map_or_else(|| "sensor".to_owned(), word),
+        geometry: shape.word(),
+        sensor: sensor.map(|sensor| sensor.grid().name.to_owned()),
+        why: why.clone(),
+        columns_asked: codec.columns_asked(),
+        columns: shape.columns(),
+        rows: sensor.map_or(args.rows.into(), |sensor| sensor.grid().beams.len()),
         coder: word(&args.coder),
         points: encoded.tally.returns(),
         kept: encoded.tally.kept(),

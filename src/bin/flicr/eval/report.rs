@@ -34,31 +34,45 @@ impl Figure {
     }
 }
 
-/// A table for each number of columns, in the order in which they were measured.
+/// A table for each geometry and number of columns, in the order in which they were measured.
 pub fn tables(all: &[Measured], bits: u32) -> String {
-    let mut columns: Vec<usize> = Vec::new();
+    let mut kinds: Vec<Kind<'_>> = Vec::new();
     for measured in all {
-        if !columns.contains(&measured.columns) {
-            columns.push(measured.columns);
+        if !kinds.contains(&kind(measured)) {
+            kinds.push(kind(measured));
         }
     }
-    let of = |&columns: &usize| {
-        let some: Vec<&Measured> = all.iter().filter(|measured| measured.columns == columns).collect();
+    let of = |wanted: &Kind<'_>| {
+        let some: Vec<&Measured> = all.iter().filter(|measured| kind(measured) == *wanted).collect();
         one_table(&some, bits)
     };
-    columns.iter().map(of).collect::<Vec<_>>().join("\n\n")
+    kinds.iter().map(of).collect::<Vec<_>>().join("\n\n")
+}
+
+/// Sensor, geometry and columns as asked for: firings differ from turn to turn.
+type Kind<'a> = (Option<&'a str>, &'a str, &'a str);
+
+fn kind(measured: &Measured) -> Kind<'_> {
+    (measured.sensor.as_deref(), measured.geometry, &measured.columns_asked)
 }
 
 fn one_table(all: &[&Measured], bits: u32) -> String {
     let Some(first) = all.first() else { return String::new() };
-    let Measured { preset, columns, rows, coder, .. } = first;
+    let Measured { preset, geometry, sensor, columns, rows, coder, .. } = first;
+    let geometry = match sensor {
+        Some(sensor) => format!("{sensor}, {geometry}"),
+        None if preset == "paper" => preset.clone(),
+        None => (*geometry).to_owned(),
+    };
+    let several = all.iter().any(|other| other.columns != *columns);
+    let columns = if several { format!("about {columns}") } else { columns.to_string() };
     let headings: Vec<&str> = std::iter::once("file").chain(FIGURES.iter().map(|figure| figure.heading)).collect();
     let mut lines: Vec<Vec<String>> = all.iter().map(|measured| line(measured)).collect();
     if all.len() > 1 {
         lines.push(medians(all));
     }
     let table = table::aligned(&headings, &lines);
-    format!("{preset}, {columns} x {rows}, {bits} bits, {coder}\n{table}")
+    format!("{geometry}, {columns} x {rows}, {bits} bits, {coder}\n{table}")
 }
 
 fn line(measured: &Measured) -> Vec<String> {

@@ -1,0 +1,130 @@
+//! Sensors by name or file, and which of them a scan is of.
+
+use std::fs;
+use std::path::Path;
+use std::rc::Rc;
+
+use flicr::geometry::sensors::ouster::OusterSensor;
+use flicr::geometry::sensors::{self, SensorGeometry, hdl64e, hesai, robosense, velodyne};
+use flicr::geometry::{Beam, SensorGrid};
+use flicr::sensor::Sensor;
+
+use crate::failure::Failure;
+
+/// A sensor's grid with its beams.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnedGrid {
+    name: String,
+    beams: Vec<Beam>,
+    /// Everything else; its name and beams are none.
+    rest: SensorGrid<'static>,
+}
+
+impl OwnedGrid {
+    pub fn new(grid: &SensorGrid<'_>) -> Self {
+        let SensorGrid { name, beams, ticks, clockwise, zero_rad, range_unit_m } = *grid;
+        let rest = SensorGrid { name: "", beams: &[], ticks, clockwise, zero_rad, range_unit_m };
+        Self { name: name.to_owned(), beams: beams.to_vec(), rest }
+    }
+
+    pub fn with_beams(&self, beams: Vec<Beam>) -> Self {
+        Self { beams, ..self.clone() }
+    }
+
+    pub fn grid(&self) -> SensorGrid<'_> {
+        SensorGrid { name: &self.name, beams: &self.beams, ..self.rest }
+    }
+
+    /// Whether decoders know it without being told.
+    pub fn is_known(&self) -> bool {
+        let checksum = self.grid().checksum();
+        sensors::ALL.iter().any(|known| known.checksum() == checksum)
+    }
+}
+
+/// A sensor whose beams fire one after another, as they look at a rotation rate.
+pub fn turning(geometry: &SensorGeometry, turns_per_minute: u32) -> OwnedGrid {
+    let mut beams = geometry.beams.to_vec();
+    let _ = geometry.fill_beams_at(turns_per_minute, &mut beams);
+    OwnedGrid::new(&geometry.grid_of(&beams))
+}
+
+/// What most of them turn at.
+const TURNS_PER_MINUTE: u32 = 600;
+
+const TURNING: [(&str, &SensorGeometry); 9] = [
+    ("hdl32e", &velodyne::HDL32E),
+    ("vlp16", &velodyne::VLP16),
+    ("puck-hi-res", &velodyne::PUCK_HI_RES),
+    ("vlp32c", &velodyne::VLP32C),
+    ("vls128", &velodyne::VLS128),
+    ("pandar40p", &hesai::PANDAR40P),
+    ("pandar64", &hesai::PANDAR64),
+    ("xt32", &hesai::PANDAR_XT32),
+    ("helios16p", &robosense::HELIOS16P),
+];
+
+/// What sensors are called on the command line.
+fn names() -> String {
+    let turning = TURNING.map(|(name, _)| name);
+    ["hdl64e"].iter().chain(&turning).copied().collect::<Vec<_>>().join(", ")
+}
+
+/// All built-in sensors.
+pub fn built_in() -> Vec<Rc<OwnedGrid>> {
+    let turning = TURNING.iter().map(|(_, geometry)| turning(geometry, TURNS_PER_MINUTE));
+    std::iter::once(OwnedGrid::new(&hdl64e::GRID)).chain(turning).map(Rc::new).collect()
+}
+
+/// A sensor that was asked for.
+#[derive(Debug, Clone)]
+pub enum Asked {
+    Grid(Rc<OwnedGrid>),
+    /// From an Ouster's metadata, which also says how to read its packets.
+    Ouster(Rc<OusterSensor>),
+}
+
+impl Asked {
+    /// By a built-in sensor's name, or from a sensor file or an Ouster's metadata.
+    pub fn named(name: &str) -> Result<Self, Failure> {
+        let bare = |text: &str| text.to_lowercase().replace(['-', '_', ' '], "");
+        if bare(name) == "hdl64e" {
+            return Ok(Self::Grid(Rc::new(OwnedGrid::new(&hdl64e::GRID))));
+        }
+        if let Some((_, geometry)) = TURNING.iter().find(|(known, _)| bare(known) == bare(name)) {
+            return Ok(Self::Grid(Rc::new(turning(geometry, TURNS_PER_MINUTE))));
+        }
+        let path = Path::new(name);
+        match path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase).as_deref() {
+            Some("toml") => sensor_file(path),
+            Some("json") => metadata(path).map(|sensor| Self::Ouster(Rc::new(sensor))),
+            _ => {
+                let names = names();
+                let wrong = format!("no such sensor: expected auto, {names}, or a file that ends in .toml or .json");
+                Err(Failure::Usage(format!("{name}: {wrong}")))
+            }
+        }
+    }
+
+    pub fn grid(&self) -> Rc<OwnedGrid> {
+        match self {
+            Self::Grid(grid) => grid.clone(),
+            Self::Ouster(sensor) => Rc::new(OwnedGrid::new(&sensor.grid())),
+        }
+    }
+}
+
+fn sensor_file(path: &Path) -> Result<Asked, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| Failure::data(path, error))?;
+    let sensor = Sensor::from_toml(&text).map_err(|error| Failure::data(path, error))?;
+    sensor.grid().check().map_err(|error| Failure::data(path, error))?;
+    Ok(Asked::Grid(Rc::new(OwnedGrid::new(&sensor.grid()))))
+}
+
+/// An Ouster as its metadata describes it.
+pub fn metadata(path: &Path) -> Result<OusterSensor, Failure> {
+    let text = fs::read_to_string(path).map_err(|error| Failure::data(path, error))?;
+    let sensor = OusterSensor::from_json(&text).map_err(|error| Failure::data(path, error))?;
+    sensor.grid().check().map_err(|error| Failure::data(path, error))?;
+    Ok(sensor)
+}
