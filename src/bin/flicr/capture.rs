@@ -8,7 +8,7 @@ use std::rc::Rc;
 use clap::{Args, ValueEnum};
 use flicr::GridReturn;
 use flicr::files::PointCloud;
-use flicr::files::capture::Capture;
+use flicr::files::capture::{Capture, Datagram};
 use flicr::geometry::sensors::ouster::OusterSensor;
 use flicr::geometry::sensors::{SensorGeometry, hesai, velodyne};
 use flicr::packet::{Column, Event, GapCause, Model, PacketStats, ReturnPolicy, Sensor, Turn, TurnAssembler, TurnCut};
@@ -79,6 +79,9 @@ pub struct Turns {
     open: Open,
     ready: VecDeque<Scan>,
     ended: usize,
+    /// Where the first packet that was understood went: what goes elsewhere is another sensor's, or no returns.
+    port: Option<u16>,
+    elsewhere: u64,
     /// Why the first of the refused packets was.
     refusal: Option<String>,
     is_over: bool,
@@ -126,9 +129,16 @@ impl Turns {
             open: Open::default(),
             ready: VecDeque::new(),
             ended: 0,
+            port: None,
+            elsewhere: 0,
             refusal: None,
             is_over: false,
         })
+    }
+
+    /// Datagrams to other ports than the sensor's.
+    pub const fn elsewhere(&self) -> u64 {
+        self.elsewhere
     }
 
     pub fn stats(&self) -> PacketStats {
@@ -165,11 +175,18 @@ impl Turns {
         (!text.is_empty()).then_some(text)
     }
 
-    fn push(&mut self, datagram: &[u8]) {
+    fn push(&mut self, Datagram { port, payload }: &Datagram) {
+        if self.port.is_some_and(|known| known != *port) {
+            self.elsewhere += 1;
+            return;
+        }
         let (open, mut ended) = (&mut self.open, Vec::new());
-        let pushed = self.assembler.push(datagram, |event| take(event, open, &mut ended));
-        if let Err(error) = pushed {
-            self.refusal.get_or_insert_with(|| error.to_string());
+        let pushed = self.assembler.push(payload, |event| take(event, open, &mut ended));
+        match pushed {
+            Ok(()) => self.port = Some(*port),
+            Err(error) => {
+                self.refusal.get_or_insert_with(|| error.to_string());
+            }
         }
         self.end(ended);
     }
@@ -229,7 +246,7 @@ impl Iterator for Turns {
                 return None;
             }
             match self.datagrams.next() {
-                Some(Ok(datagram)) => self.push(&datagram.payload),
+                Some(Ok(datagram)) => self.push(&datagram),
                 Some(Err(error)) => {
                     self.is_over = true;
                     return Some(Err(error.into()));

@@ -1,7 +1,9 @@
 //! Which geometry a scan gets, and why.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
+use flicr::files::PointCloud;
 use flicr::geometry::sensors::hdl64e;
 use flicr::geometry::{Firings, find_firings};
 use flicr::{EncodeError, GeometryChoice, Limits, UniformView, choose_geometry, recognize_sensor};
@@ -77,16 +79,16 @@ pub fn plan(scan: &Scan, asked: Option<&Asked>, columns: Option<Columns>) -> Res
     if let Some(turn) = &scan.turn {
         return of_turn(turn.sensor.clone(), &turn.ticks, columns);
     }
-    let points = scan.cloud.points.as_slice();
     if let Some(asked) = asked {
-        return on_sensor(points, asked.grid(), columns, false);
+        return on_sensor(&scan.cloud, asked.grid(), columns, false);
     }
+    let points = scan.cloud.points.as_slice();
     let sensors = built_in();
     let grids: Vec<_> = sensors.iter().map(|sensor| sensor.grid()).collect();
     let found = recognize_sensor(points, &grids);
     match found.sensor {
         Some(number) => {
-            let plan = on_sensor(points, sensors[number].clone(), columns, true)?;
+            let plan = on_sensor(&scan.cloud, sensors[number].clone(), columns, true)?;
             Ok(Plan { why: format!("{}; {}", found.why, plan.why), ..plan })
         }
         None => Ok(Plan { shape: Shape::Uniform { columns: count(columns) }, why: found.why }),
@@ -117,20 +119,51 @@ fn by_firings(sensor: Rc<OwnedGrid>, ticks: &[u32]) -> Result<Shape, EncodeError
 
 /// The best geometry with a sensor's beams; or uniform, where that may be and loses least.
 fn on_sensor(
-    points: &[[f32; 3]],
+    cloud: &PointCloud,
     sensor: Rc<OwnedGrid>,
     columns: Option<Columns>,
     may_be_uniform: bool,
 ) -> Result<Plan, EncodeError> {
-    let even = count(columns);
-    let mut advice = choose_geometry(points, &sensor.grid(), even.into(), UniformView::HDL64E)?;
-    let rows = std::mem::take(&mut advice.rows);
+    let (points, even) = (cloud.points.as_slice(), count(columns));
+    let advice = choose_geometry(points, &sensor.grid(), even.into(), UniformView::HDL64E)?;
+    let is_on_grid = advice.choice == GeometryChoice::OwnGrid;
+    let by_ring = if is_on_grid { None } else { rows_by_ring(cloud, &sensor) };
+    if let Some(rows) = by_ring {
+        let why = format!("{}, but the file's rings say which points share a beam", advice.why);
+        return Ok(Plan { shape: Shape::Beams { sensor, columns: even, rows }, why });
+    }
     let shape = match advice.choice {
         GeometryChoice::OwnGrid if !matches!(columns, Some(Columns::Count(_))) => native(points, sensor)?,
         GeometryChoice::Uniform if may_be_uniform => Shape::Uniform { columns: even },
-        _ => Shape::Beams { sensor, columns: even, rows },
+        _ => Shape::Beams { sensor, columns: even, rows: advice.rows },
     };
     Ok(Plan { shape, why: advice.why })
+}
+
+/// Nearer, points are the sensor's own noise or the car's roof, and say nothing of a beam's elevation.
+const NEAR_M: f32 = 2.0;
+
+/// The beam of each point by its ring, where a file has as many as the sensor has beams: counted from above or from
+/// below, whichever way they go up.
+fn rows_by_ring(cloud: &PointCloud, sensor: &OwnedGrid) -> Option<Vec<u16>> {
+    let (rings, beams) = (cloud.rings.as_deref()?, sensor.grid().beams.len());
+    let mut elevations = vec![(0.0_f64, 0_u32); beams];
+    for (&[x, y, z], &ring) in cloud.points.iter().zip(rings) {
+        let of_ring = elevations.get_mut(usize::from(ring))?;
+        let range_m = x.hypot(y).hypot(z);
+        if range_m > NEAR_M {
+            *of_ring = (of_ring.0 + f64::from(z / range_m), of_ring.1 + 1);
+        }
+    }
+    let seen = elevations.iter().filter(|(_, count)| *count > 0);
+    let means: Vec<f64> = seen.map(|(sum, count)| sum / f64::from(*count)).collect();
+    let last = beams as u16 - 1;
+    let (falls, rises) = (means.is_sorted_by(|a, b| a > b), means.is_sorted_by(|a, b| a < b));
+    match (2 * means.len() > beams, falls, rises) {
+        (true, true, false) => Some(rings.to_vec()),
+        (true, false, true) => Some(rings.iter().map(|ring| last - ring).collect()),
+        _ => None,
+    }
 }
 
 /// A sensor's firings where its beams share them, else all ticks, as long as these are not too many.
@@ -138,7 +171,7 @@ fn native(points: &[[f32; 3]], sensor: Rc<OwnedGrid>) -> Result<Shape, EncodeErr
     let grid = sensor.grid();
     let grid = if grid == hdl64e::GRID { hdl64e::FIRING_GRID } else { grid };
     if let Some(found) = find_firings(points, &grid)? {
-        let turned = OwnedGrid::new(&grid).with_beams(found.beams);
+        let turned = sensor.with_beams(found.beams);
         return by_firings(Rc::new(turned), &found.ticks);
     }
     let is_small = grid.beams.len() * grid.ticks as usize <= Limits::default().pixels;
@@ -146,25 +179,24 @@ fn native(points: &[[f32; 3]], sensor: Rc<OwnedGrid>) -> Result<Shape, EncodeErr
     Ok(Shape::Beams { sensor, columns, rows: Vec::new() })
 }
 
-/// What was noted last: the same is not said of every scan of a drive.
+/// What was noted: the same is not said of every scan of a drive.
 #[derive(Debug, Default)]
 pub struct Noted {
-    last: Option<(String, &'static str)>,
+    seen: BTreeSet<(String, &'static str)>,
 }
 
 impl Noted {
-    /// Says which geometry was chosen and why, where it is another than before.
+    /// Says which geometry was chosen and why, the first time.
     pub fn note(&mut self, bar: &ProgressBar, scan: &str, plan: &Plan) {
         if plan.why.is_empty() {
             return;
         }
         let sensor = plan.shape.sensor().map_or_else(String::new, |sensor| sensor.grid().name.to_owned());
-        let chosen = Some((sensor, plan.shape.word()));
-        if self.last != chosen {
-            let (sensor, word) = chosen.as_ref().map_or(("", ""), |(sensor, word)| (sensor, word));
-            let gap = if sensor.is_empty() { "" } else { ", " };
-            console::note(bar, format_args!("{scan}: {sensor}{gap}{word}: {}", plan.why));
-            self.last = chosen;
+        let word = plan.shape.word();
+        let gap = if sensor.is_empty() { "" } else { ", " };
+        let text = format!("{scan}: {sensor}{gap}{word}: {}", plan.why);
+        if self.seen.insert((sensor, word)) {
+            console::note(bar, text);
         }
     }
 }

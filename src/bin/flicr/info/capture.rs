@@ -62,9 +62,11 @@ impl CaptureInfo {
     pub fn text(&self) -> String {
         let Self { file, sensor, packets, turns, .. } = self;
         let whole = turns.iter().filter(|turn| turn.turn.is_some()).count();
-        let packets = group(*packets as usize);
-        let mut lines =
-            vec![format!("{file}: {sensor}, {packets} packets, {} turns, {whole} of them whole", turns.len())];
+        let (packets, all) = (group(*packets as usize), turns.len());
+        let mut lines = vec![format!("{file}: {sensor}, {packets} packets, turns: {all}, whole: {whole}")];
+        if self.elsewhere > 0 {
+            lines.push(format!("{} datagrams to other ports", group(self.elsewhere as usize)));
+        }
         lines.extend(self.complaint.clone());
         lines.extend(turns.iter().map(TurnInfo::text));
         lines.join("\n  ")
