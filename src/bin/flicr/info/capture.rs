@@ -14,6 +14,8 @@ pub struct CaptureInfo {
     sensor: String,
     packets: u32,
     refused: u32,
+    /// Datagrams to other ports.
+    elsewhere: u64,
     lost_columns: u32,
     /// Null where there is nothing to complain of.
     complaint: Option<String>,
@@ -53,6 +55,7 @@ impl CaptureInfo {
             sensor,
             packets: stats.used,
             refused: stats.refused(),
+            elsewhere: opened.elsewhere(),
             lost_columns: stats.lost_columns,
             complaint: opened.complaint(),
             turns,
