@@ -12,6 +12,9 @@ const SAMPLE: usize = 20_000;
 const OFF_BEAMS: f64 = 0.3;
 /// Nearer points do not tell: there the beams are close to each other.
 const NEAR_M: f64 = 2.0;
+/// Points beyond tell best, and all by themselves where there are enough: moving them changes little.
+const FAR_M: f64 = 10.0;
+const FAR_ENOUGH: usize = 1000;
 
 /// How well a scan fits a sensor's beams.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,11 +42,7 @@ pub struct Recognition {
 /// ```
 #[must_use]
 pub fn recognize_sensor(points: &[[f32; 3]], sensors: &[SensorGrid<'_>]) -> Recognition {
-    let far = |point: &&[f32; 3]| {
-        let [x, y, _] = point.map(f64::from);
-        x.hypot(y) >= NEAR_M
-    };
-    let sample: Vec<[f32; 3]> = points.iter().step_by(points.len() / SAMPLE + 1).filter(far).copied().collect();
+    let sample = sample(points);
     let off: Vec<f64> = sensors.iter().map(|sensor| off(&sample, sensor)).collect();
     let best = (0..off.len()).min_by(|&a, &b| off[a].total_cmp(&off[b]));
     let sensor = best.filter(|&best| off[best] <= OFF_BEAMS);
@@ -57,6 +56,15 @@ pub fn recognize_sensor(points: &[[f32; 3]], sensors: &[SensorGrid<'_>]) -> Reco
         }
     };
     Recognition { sensor: sensor.filter(|_| !sample.is_empty()), off, why }
+}
+
+fn sample(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let beyond = |from_m: f64| {
+        let is_beyond = move |&&[x, y, _]: &&[f32; 3]| f64::from(x).hypot(y.into()) >= from_m;
+        points.iter().step_by(points.len() / SAMPLE + 1).filter(is_beyond).copied()
+    };
+    let far: Vec<[f32; 3]> = beyond(FAR_M).collect();
+    if far.len() < FAR_ENOUGH { beyond(NEAR_M).collect() } else { far }
 }
 
 fn off(points: &[[f32; 3]], sensor: &SensorGrid<'_>) -> f64 {

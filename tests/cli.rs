@@ -4,14 +4,22 @@
 mod bad_input;
 #[path = "cli/calibrate.rs"]
 mod calibrate;
+#[path = "common/capture_writer.rs"]
+mod capture_writer;
+#[path = "cli/captures.rs"]
+mod captures;
 #[path = "cli/eval.rs"]
 mod eval;
+#[path = "common/packet_writer.rs"]
+mod packet_writer;
 #[path = "cli/picture.rs"]
 mod picture;
 #[path = "cli/round_trip.rs"]
 mod round_trip;
 #[path = "cli/run.rs"]
 mod run;
+#[path = "cli/sensors.rs"]
+mod sensors;
 #[path = "cli/terminal.rs"]
 mod terminal;
 #[path = "cli/view.rs"]

@@ -2,9 +2,12 @@
 
 use super::run::{Place, bin, objects, points};
 
-const FIELDS: [&str; 20] = [
+const FIELDS: [&str; 23] = [
     "file",
     "preset",
+    "geometry",
+    "sensor",
+    "why",
     "columns",
     "rows",
     "coder",
@@ -34,8 +37,9 @@ fn json_has_these_fields_in_this_order() {
     assert!(places.is_sorted());
     let [object] = objects(&text).try_into().unwrap();
     assert_eq!(object.len(), FIELDS.len());
-    assert!(["file", "preset", "coder"].iter().all(|&field| object[field].is_string()));
-    let numbers = FIELDS.iter().filter(|field| !["file", "preset", "coder"].contains(field));
+    let words = ["file", "preset", "geometry", "sensor", "why", "coder"];
+    assert!(words.iter().all(|&field| object[field].is_string()));
+    let numbers = FIELDS.iter().filter(|field| !words.contains(field));
     assert!(numbers.map(|&field| object[field].as_f64().unwrap()).all(|number| number >= 0.0));
 }
 
@@ -73,7 +77,8 @@ fn better_settings_measure_better() {
         let text = place.fine(&[&["eval", "scan.bin", "--json"], options].concat());
         objects(&text)[0]["psnr_db"].as_f64().unwrap()
     };
-    let (paper, uniform, fine) = (psnr(&["--preset", "paper"]), psnr(&[]), psnr(&["--bits", "14"]));
+    let (paper, uniform, fine) =
+        (psnr(&["--preset", "paper"]), psnr(&["--preset", "uniform"]), psnr(&["--preset", "uniform", "--bits", "14"]));
     assert!(paper + 0.5 < uniform && uniform + 3.0 < fine, "{paper} {uniform} {fine}");
 }
 
@@ -81,7 +86,7 @@ fn better_settings_measure_better() {
 fn several_columns_are_measured_of_each_file() {
     let place = Place::new();
     place.fine(&["simulate", "-o", "t.bin", "--turns", "2"]);
-    let args = ["eval", "t-000000.bin", "t-000001.bin", "--columns", "1024,256"];
+    let args = ["eval", "t-000000.bin", "t-000001.bin", "--columns", "1024,256", "--preset", "uniform"];
     let found: Vec<_> = objects(&place.fine(&[&args[..], &["--json"]].concat()))
         .iter()
         .map(|object| (object["file"].as_str().unwrap().to_owned(), object["columns"].as_u64().unwrap()))

@@ -52,22 +52,27 @@ impl Place {
         Command::new(env!("CARGO_BIN_EXE_flicr")).args(args).current_dir(self.folder()).output().unwrap()
     }
 
-    /// Runs what must succeed without a word on stderr, and gives its stdout.
+    /// Runs what must succeed without a word on stderr but notes of what was chosen, and gives its stdout.
     pub fn fine(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!((output.status.code(), stderr.as_str()), (Some(0), ""), "{args:?}");
-        String::from_utf8(output.stdout).unwrap()
+        self.noted(args).0
     }
 
-    /// Runs what must fail with an exit code, leave the folder as it was, and gives its stderr.
+    /// As [`fine`](Self::fine), with the notes.
+    pub fn noted(&self, args: &[&str]) -> (String, String) {
+        let output = self.run(args);
+        let (notes, stderr) = without_notes(&String::from_utf8(output.stderr).unwrap());
+        assert_eq!((output.status.code(), stderr.as_str()), (Some(0), ""), "{args:?}");
+        (String::from_utf8(output.stdout).unwrap(), notes)
+    }
+
+    /// Runs what must fail with an exit code, leave the folder as it was, and gives its stderr, notes left out.
     pub fn fails(&self, code: i32, args: &[&str]) -> String {
         let before = self.names();
         let output = self.run(args);
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(code), "{args:?}: {stderr}");
         assert_eq!(self.names(), before, "{args:?} left something behind");
-        stderr
+        without_notes(&stderr).1
     }
 
     /// Runs what must fail with `flicr: FILE: ...` and all of `words` in it.
@@ -79,6 +84,12 @@ impl Place {
             assert!(stderr.contains(word), "{args:?}: no {word:?} in {stderr}");
         }
     }
+}
+
+/// Parts the lines that only tell what was chosen from all others.
+pub fn without_notes(stderr: &str) -> (String, String) {
+    let (notes, others): (Vec<_>, Vec<_>) = stderr.split_inclusive('\n').partition(|line| line.starts_with("note: "));
+    (notes.concat(), others.concat())
 }
 
 /// Points in a KITTI file.

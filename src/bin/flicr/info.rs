@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flicr::files::{self, PointCloud};
-use flicr::frame::UniformHeader;
+use flicr::frame::{ColumnMode, UniformHeader};
 use flicr::geometry::sensors;
 use flicr::{Decoder, Geometry, Header, Levels, Limits, Placement, frame};
 use indicatif::ProgressBar;
@@ -98,6 +98,8 @@ enum GeometryInfo {
         ticks: u32,
         clockwise: bool,
         range_unit_m: f32,
+        /// Bytes of the list of firings; null where columns are evenly spread.
+        firings_len: Option<u16>,
         /// None where it was not measured.
         point_bound_m: Option<f32>,
     },
@@ -119,6 +121,7 @@ impl GeometryInfo {
                 ticks: beams.ticks,
                 clockwise: beams.clockwise,
                 range_unit_m: beams.range_unit_m,
+                firings_len: firings_len(beams.column_mode),
                 point_bound_m: Some(beams.point_bound_m).filter(|bound_m| bound_m.is_finite()),
             },
             _ => Self::Other,
@@ -131,15 +134,23 @@ impl GeometryInfo {
                 "{rows} rows from {top_deg:+.2} to {bottom_deg:+.2} degrees, {columns} columns from {start_deg:+.2} over {span_deg:.2} degrees\n  \
                  points at the {placement} of their pixels, ranges within {range_bound_m:.4} m"
             ),
-            Self::Beams { sensor, ticks, point_bound_m, .. } => {
+            Self::Beams { sensor, ticks, point_bound_m, firings_len, .. } => {
                 let bound = point_bound_m.map_or_else(String::new, |bound_m| format!(", points within {bound_m:.4} m"));
-                format!(
-                    "{rows} beams of {sensor}, {columns} columns over its {ticks} ticks\n  \
-                     ranges within {range_bound_m:.4} m{bound}"
-                )
+                let columns = match firings_len {
+                    Some(len) => format!("{columns} firings at some of its {ticks} ticks (a list of {len} bytes)"),
+                    None => format!("{columns} columns over its {ticks} ticks"),
+                };
+                format!("{rows} beams of {sensor}, {columns}\n  ranges within {range_bound_m:.4} m{bound}")
             }
             Self::Other => format!("{rows} rows, {columns} columns"),
         }
+    }
+}
+
+const fn firings_len(mode: ColumnMode) -> Option<u16> {
+    match mode {
+        ColumnMode::Firings { list_len, .. } => Some(list_len),
+        _ => None,
     }
 }
 

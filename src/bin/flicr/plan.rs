@@ -129,7 +129,7 @@ fn on_sensor(
     let is_on_grid = advice.choice == GeometryChoice::OwnGrid;
     let by_ring = if is_on_grid { None } else { rows_by_ring(cloud, &sensor) };
     if let Some(rows) = by_ring {
-        let why = format!("{}, but the file's rings say which points share a beam", advice.why);
+        let why = format!("{}; the file's rings say which points share a beam", advice.why);
         return Ok(Plan { shape: Shape::Beams { sensor, columns: even, rows }, why });
     }
     let shape = match advice.choice {
