@@ -3,11 +3,8 @@
 use flicr::geometry::{FiringLattice, Firings, Lattice, SensorGrid, find_firings, sensors::hdl64e};
 use flicr::{Encoded, FiringsConfig, ImageViewMut, LatticeConfig, Rle, Stamp, encode, frame};
 
-#[path = "../common/lattice.rs"]
-mod support;
-
 use crate::common::{data, xyz};
-use support::distances;
+use crate::lattice::support::distances;
 
 fn encoded(config: &FiringsConfig<'_, 66, 125>, points: &[[f32; 3]]) -> (Encoded, Vec<u8>) {
     let columns = usize::from(config.firings.len());

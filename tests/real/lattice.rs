@@ -4,7 +4,7 @@ use flicr::geometry::{Lattice, sensors};
 use flicr::{Geometry, GeometryChoice, LatticeConfig, choose_geometry};
 
 #[path = "../common/lattice.rs"]
-mod support;
+pub mod support;
 
 use crate::common::{data, xyz};
 use support::{distances, encoded, exact_cell, hdl64e, projected};

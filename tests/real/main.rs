@@ -3,6 +3,8 @@
 #![allow(missing_docs)]
 
 mod calibrate;
+#[cfg(feature = "cli")]
+mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
 mod deflate;
@@ -63,10 +65,23 @@ const TESTS: &[(&str, fn())] = &[
     ("simulate::statistics_are_those_of_real_scans", simulate::statistics_are_those_of_real_scans),
 ];
 
+/// Of the program, where it is built.
+#[cfg(feature = "cli")]
+const COMMAND_LINE: &[(&str, fn())] = &[
+    ("command_line::captures_are_encoded_without_loss", command_line::captures_are_encoded_without_loss),
+    ("command_line::ouster_frames_equal_the_sdk", command_line::ouster_frames_equal_the_sdk),
+    ("command_line::clouds_of_other_sensors", command_line::clouds_of_other_sensors),
+];
+#[cfg(not(feature = "cli"))]
+const COMMAND_LINE: &[(&str, fn())] = &[];
+
 fn main() -> ExitCode {
     let skip = common::data::FOLDER.is_none();
     if skip {
-        eprintln!("skipped: no shared data beside the crate or at FLICR_DATA; {} tests ignored", TESTS.len());
+        eprintln!(
+            "skipped: no shared data beside the crate or at FLICR_DATA; {} tests ignored",
+            TESTS.len() + COMMAND_LINE.len()
+        );
     }
     let trial = |&(name, test): &(&'static str, fn())| {
         Trial::test(name, move || {
@@ -75,5 +90,5 @@ fn main() -> ExitCode {
         })
         .with_ignored_flag(skip)
     };
-    run(&Arguments::from_args(), TESTS.iter().map(trial).collect()).exit_code()
+    run(&Arguments::from_args(), TESTS.iter().chain(COMMAND_LINE).map(trial).collect()).exit_code()
 }
