@@ -299,6 +299,23 @@ proptest! {
     }
 
     #[test]
+    fn changes_before_a_checksum_that_fits(
+        which in 0_usize..5,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0_usize..110, any::<bool>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = frames()[which].clone();
+        for (anywhere, at_front, in_front, value) in changes {
+            let at = if in_front { at_front.min(bytes.len() - 1) } else { anywhere.index(bytes.len()) };
+            bytes[at] = value;
+        }
+        let mut decoder = Decoder::default();
+        if let Ok(frame) = decoder.decode(&sealed(bytes)) {
+            prop_assert!(frame.points().len() <= frame.header().pixels());
+            prop_assert!(frame.points().iter().flatten().all(|coordinate| coordinate.is_finite()));
+        }
+    }
+
+    #[test]
     fn random_bytes_behind_a_right_start(
         mut bytes in prop::collection::vec(any::<u8>(), 60..400),
         keep in 5_usize..80,
