@@ -2,10 +2,13 @@
 #![allow(missing_docs)]
 
 mod baseline;
+#[path = "../tests/common/data.rs"]
+mod data;
 
 use std::time::{Duration, Instant};
 
 use flicr::geometry::{Lattice, sensors::hdl64e};
+use flicr::simulate::Simulator;
 use flicr::{
     Config, Decoder, DeflateDefault, FrameEncoder, ImageViewMut, LatticeConfig, Limits, Rle, Scale, Stamp, encode,
 };
@@ -34,10 +37,13 @@ fn main() {
     }
 }
 
+/// The scan that `docs/PERFORMANCE.md` speaks of, or a simulated one where that is not at hand.
 fn scan() -> Vec<[f32; 4]> {
-    let data = std::env::var("FLICR_DATA").unwrap_or("../shared/data".into());
-    let bytes = std::fs::read(format!("{data}/kitti/drive/000003.bin")).unwrap();
-    bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
+    if data::FOLDER.is_some() {
+        return data::read_points(&data::path("kitti/drive/000003.bin"));
+    }
+    println!("no shared data beside the crate or at FLICR_DATA: a simulated scan in its place");
+    Simulator::hdl64e(1).turn(0).points
 }
 
 fn ratio(mut ours: impl FnMut(), mut theirs: impl FnMut()) -> (Duration, Duration, f64) {
