@@ -125,7 +125,9 @@ fn begin<const LINES: usize, const NODES: usize>(lattice: &Lattice<'_, LINES, NO
         return (near_per_rho(lattice, rho_m), lattice.slopes.starts[0]);
     }
     let per_rho = 1.0 / rho_m;
-    (per_rho, lattice.slopes.starts[(unclamped_bin(lattice, per_rho, z) as i32).clamp(0, BINS as i32 - 1) as usize])
+    // Signed, since both limits are then one instruction.
+    let bin = (unclamped_bin(lattice, per_rho, z) as i32).clamp(0, const { (BINS - 1).cast_signed() as i32 });
+    (per_rho, lattice.slopes.starts[bin as usize])
 }
 
 /// Out of the way of the loop, which few points leave.
