@@ -2,10 +2,12 @@
 //! look-ups, arithmetic; passes over a block where the target has vectors, one loop on a Cortex-M.
 #![allow(unsafe_code, reason = "a search that a sentinel ends, without a comparison of the index a step")]
 
+#[cfg(not(target_arch = "arm"))]
+use crate::geometry::angles::AngleTables;
 use crate::geometry::angles::octant_ratio;
 use crate::geometry::{BINS, BINS_FROM_M, Lattice, Line, Pixels};
 #[cfg(not(target_arch = "arm"))]
-use crate::kernel::to_index;
+use crate::kernel::{Lookups, to_index};
 use crate::kernel::{sqrt, to_angle};
 use crate::point::{BLOCK_LEN, Block};
 use crate::quantize::Quantizer;
@@ -25,15 +27,16 @@ pub(crate) fn project_lattice<const LINES: usize, const NODES: usize>(
         let rho_m = sqrt(x * x + y * y);
         let per_rho = per_rho(lattice, rho_m);
         (lanes.rho_m[i], lanes.per_rho[i]) = (rho_m, per_rho);
-        (lanes.bin[i], lanes.octant[i]) = (bin(lattice, rho_m, per_rho, z), octant_ratio(y, x));
+        lanes.bin[i] = bin(lattice, rho_m, per_rho, z);
+        lanes.atan.put(i, AngleTables::<NODES>::atan_place(octant_ratio(y, x)));
     }
     for i in 0..BLOCK_LEN {
-        lanes.octant[i] = lattice.tables().atan_unit(lanes.octant[i]);
+        lanes.atan.look_up(i, |node| lattice.tables().atan_ends(node));
         let start = lattice.slopes.starts[lanes.bin[i] as usize % BINS];
         lanes.put_line(i, find_line(lattice, start, lanes.rho_m[i], block.z[i]));
     }
     for i in 0..BLOCK_LEN {
-        let azimuth = unfold(lattice, lanes.octant[i], block.y[i], block.x[i]);
+        let azimuth = unfold(lattice, lanes.atan.angle(i), block.y[i], block.x[i]);
         let line = lanes.line(i);
         let at = place(lattice, quantizer, &line, azimuth, lanes.rho_m[i], lanes.per_rho[i], block.z[i]);
         (pixels.pixel[i], pixels.level[i]) = at;
@@ -293,7 +296,7 @@ pub(crate) fn miss_lattice<const LINES: usize, const NODES: usize>(
 struct Lanes {
     rho_m: [f32; BLOCK_LEN],
     per_rho: [f32; BLOCK_LEN],
-    octant: [f32; BLOCK_LEN],
+    atan: Lookups,
     bin: [u32; BLOCK_LEN],
     sin: [f32; BLOCK_LEN],
     cos: [f32; BLOCK_LEN],
@@ -308,7 +311,7 @@ impl Lanes {
     const NEW: Self = Self {
         rho_m: [0.0; BLOCK_LEN],
         per_rho: [0.0; BLOCK_LEN],
-        octant: [0.0; BLOCK_LEN],
+        atan: Lookups::NEW,
         bin: [0; BLOCK_LEN],
         sin: [0.0; BLOCK_LEN],
         cos: [0.0; BLOCK_LEN],
