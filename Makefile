@@ -20,16 +20,16 @@ setup: ## install what is missing: Rust targets, emulators, cross linkers
 demo: setup ## a scan through emulated firmware and back, with a table and a picture (FLICR_SCAN=path/to/kitti.bin)
 	@tools/demo.sh
 
-test: setup lint ## all checks: lint, tests on this machine and on emulated boards, sizes (see test-aarch64 too)
-	@$(MAKE) --no-print-directory test-host size
+test: setup lint ## all checks: lint, tests on this machine, on emulated boards and AArch64 Linux, sizes
+	@$(MAKE) --no-print-directory test-host test-aarch64 size
 
 test-host: ## tests on this machine and on emulated boards
 	@tools/step.sh "build of the tests" cargo test --quiet --no-run --features $(FEATURES)
 	@FLICR_REQUIRE_QEMU=1 tools/step.sh "tests on this machine and on emulated boards" \
 		cargo test --quiet --features $(FEATURES)
 
-# The tests that an emulator of AArch64 Linux runs: all of the library's and the C ABI's. Those that only start other
-# programs would run these natively, and scans in full take it half an hour, so that shared data is kept from it.
+# The tests that an emulator of AArch64 Linux runs: the library's and the C ABI's. Those that only start other programs
+# would run these natively; calibration and shared scans would take it half an hour, so that they are kept from it.
 EMULATED := --lib --test round_trip --test corrupt --test geometry --test lattice --test deflate --test docs_agree \
 	--test metrics --test files --test simulate --test sensor_file --test capi
 

@@ -93,11 +93,11 @@ fn equals_the_sdk(capture: &str, metadata: &str, unit_m: f64) {
     let ours: Vec<u32> = levels.iter().map(|&level| u32::from(level) * unit_mm).collect();
     // The vendor's image as a whole begins some columns elsewhere.
     let turned = |by: usize| {
-        let rows = ours.chunks_exact(columns).zip(reference.chunks_exact(columns));
+        let mut rows = ours.chunks_exact(columns).zip(reference.chunks_exact(columns));
         let same = |(ours, vendor): (&[u32], &[u32])| {
             ours[by..] == vendor[..columns - by] && ours[..by] == vendor[columns - by..]
         };
-        rows.map(same).all(|same| same)
+        rows.all(same)
     };
     assert!((0..columns).any(turned), "{capture}");
 

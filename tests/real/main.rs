@@ -8,6 +8,8 @@ mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
 mod deflate;
+#[cfg(feature = "cli")]
+mod eval;
 mod files;
 mod firings;
 mod geometry;
@@ -33,6 +35,8 @@ const TESTS: &[(&str, fn())] = &[
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
     ("firings::all_raw_scans_by_firings", firings::all_raw_scans_by_firings),
     ("firings::shared_firings_are_found_from_the_points", firings::shared_firings_are_found_from_the_points),
+    #[cfg(feature = "cli")]
+    ("eval::the_papers_frame_of_a_kitti_scan", eval::the_papers_frame_of_a_kitti_scan),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),
