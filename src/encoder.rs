@@ -11,7 +11,7 @@ use crate::insert::{farthest_m, insert};
 use crate::packet::Column;
 use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
-use crate::returns::{CountLevels, GridReturn, ReturnInserter, TickColumns};
+use crate::returns::{CountLevels, GridReturn, ReturnInserter, ReturnScale, TickColumns};
 use crate::tally::Tally;
 
 /// What the caller tells the receiver of a frame besides its points.
@@ -168,6 +168,8 @@ pub fn encode<L: Level, C: Coder<L>>(
 #[derive(Debug)]
 pub struct FrameEncoder<'a, L: Level, C, S: FrameSettings = Config> {
     frame: OpenFrame<S>,
+    /// Known when the first firing comes.
+    scale: Option<ReturnScale>,
     image: ImageViewMut<'a, L>,
     coder: &'a mut C,
 }
@@ -184,7 +186,7 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
         coder: &'a mut C,
     ) -> Result<Self, EncodeError> {
         let frame = OpenFrame::start(config, stamp, &mut image)?;
-        Ok(Self { frame, image, coder })
+        Ok(Self { frame, scale: None, image, coder })
     }
 
     /// Puts points into the image.
@@ -227,7 +229,8 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     where
         S: GridSettings,
     {
-        self.frame.insert_column(column, &mut self.image);
+        let scale = self.scale.get_or_insert_with(|| self.frame.return_scale());
+        self.frame.insert_column(column, scale, &mut self.image);
     }
 
     /// What became of the points so far.
@@ -357,36 +360,51 @@ impl<S: FrameSettings> OpenFrame<S> {
     ) where
         S: GridSettings,
     {
-        let mut columns = self.tick_columns();
-        let mut inserter = self.return_inserter(image);
+        let mut scale = self.return_scale();
+        let mut inserter = self.return_inserter(&scale, image);
         for found in returns {
             let found = found.into();
-            inserter.insert_one(found, columns.column(found.tick));
+            inserter.insert_one(found, scale.columns.column(found.tick));
         }
     }
 
-    /// Puts one firing into the image that the frame was started with.
-    pub(crate) fn insert_column<L: Level>(&mut self, column: &Column<'_>, image: &mut ImageViewMut<'_, L>)
+    /// Puts one firing into the image that the frame was started with. `scale` is the frame's.
+    #[inline]
+    pub(crate) fn insert_column<L: Level>(
+        &mut self,
+        column: &Column<'_>,
+        scale: &mut ReturnScale,
+        image: &mut ImageViewMut<'_, L>,
+    ) where
+        S: GridSettings,
+    {
+        let at = scale.columns.column(column.tick.into());
+        self.return_inserter(scale, image).insert_column(column, at);
+    }
+
+    /// The same for all frames of one configuration.
+    pub(crate) fn return_scale(&self) -> ReturnScale
     where
         S: GridSettings,
     {
-        let at = self.tick_columns().column(column.tick.into());
-        self.return_inserter(image).insert_column(column, at);
+        let grid = self.config.grid();
+        ReturnScale {
+            levels: CountLevels::new(grid.range_unit_m, &self.quantizer),
+            columns: TickColumns::new(grid.ticks, self.columns),
+        }
     }
 
-    fn tick_columns(&self) -> TickColumns
-    where
-        S: GridSettings,
-    {
-        TickColumns::new(self.config.grid().ticks, self.columns)
-    }
-
-    fn return_inserter<'a, L: Level>(&'a mut self, image: &'a mut ImageViewMut<'_, L>) -> ReturnInserter<'a, L>
+    #[inline]
+    fn return_inserter<'a, L: Level>(
+        &'a mut self,
+        scale: &ReturnScale,
+        image: &'a mut ImageViewMut<'_, L>,
+    ) -> ReturnInserter<'a, L>
     where
         S: GridSettings,
     {
         ReturnInserter {
-            scale: CountLevels::new(self.config.grid().range_unit_m, &self.quantizer),
+            scale: scale.levels,
             max_level: self.quantizer.max_level(),
             collision: self.config.policy().collision,
             columns: image.columns(),

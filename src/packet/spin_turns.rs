@@ -261,6 +261,17 @@ impl SpinTurns {
         Ok(())
     }
 
+    /// Turns to the next column, which mostly is of the same turn.
+    #[inline(always)]
+    fn step(&mut self, ticks: i32, stats: &mut PacketStats, sink: &mut impl FnMut(Event<'_>)) {
+        let position = self.position + ticks;
+        if position < TURN {
+            self.position = position;
+        } else {
+            self.skip(ticks.into(), 0, GapCause::Lost, stats, sink);
+        }
+    }
+
     /// Turns by `ticks` to the next column; `missing` columns lie between.
     fn skip(
         &mut self,
@@ -312,7 +323,7 @@ impl SpinTurns {
             }
             for nth in 0..per_block {
                 let tick = nth_tick(azimuth, nth, mark.step_q8);
-                self.skip(i64::from(signed(at, tick)), 0, GapCause::Lost, stats, sink);
+                self.step(signed(at, tick), stats, sink);
                 at = tick;
                 let firing = group * per_block + nth;
                 let column = Column {
