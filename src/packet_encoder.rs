@@ -190,6 +190,12 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         self.assembler.stats()
     }
 
+    /// The first layer's frame, for returns that are no packets'.
+    #[cfg(feature = "capi")]
+    pub(crate) const fn frame_mut(&mut self) -> &mut OpenFrame<S> {
+        &mut self.frames[0]
+    }
+
     /// Takes a packet; calls `end` with the frames of the turn that it ends.
     pub(crate) fn push<'i, L: Level>(
         &mut self,
