@@ -723,7 +723,8 @@ typedef struct flicr_grid_config {
    */
   flicr_sensor sensor;
   /**
-   * Turns a minute: the known sensors' beams fire one after another while the sensor turns. 0: all at once.
+   * Turns a minute, at most 6000: the known sensors' beams fire one after another while the sensor turns. 0: all at
+   * once.
    */
   uint32_t turns_per_minute;
   /**

@@ -395,20 +395,23 @@ unsafe fn place<C: StartsAsZeros>(
     if state_len < layout.len {
         return Err(flicr_status::StateTooSmall);
     }
-    // Beams are checked before they are put where they are to stay: nothing is written before all is right.
-    let (mut beams, count) = ([Beam::ZERO; FLICR_BEAMS_MAX], settings.beam_count as usize);
-    let beams = beams.get_mut(..count).ok_or(flicr_status::Size)?;
-    // SAFETY: the caller's promise.
-    unsafe { settings.put_beams(beams)? };
-    check(settings, beams)?;
+    if !settings.beams.is_null() {
+        let beams = Span::new(settings.beams.cast(), settings.beam_count as usize * FLICR_BEAM_LEN)?;
+        check_apart(Span::new(state, layout.len)?, [beams, Span::NONE])?;
+    }
+    // SAFETY: the caller's promise; a count that is too large was found above.
+    let still = unsafe { settings.still_beams()? };
+    check(settings, still)?;
     // SAFETY: `layout.len` bytes may be written. Zeros are a coder that has been vouched for, and an image without
     // returns. The beams are read only from here on, as long as the head is there; they share no byte with the other
     // parts.
     let beams = unsafe {
         state.write_bytes(0, layout.len);
         let place = state.cast::<u8>().add(layout.beams_at).cast::<Beam>();
-        place.copy_from_nonoverlapping(beams.as_ptr(), count);
-        core::slice::from_raw_parts(place, count)
+        place.copy_from_nonoverlapping(still.as_ptr(), still.len());
+        let beams = core::slice::from_raw_parts_mut(place, still.len());
+        settings.turn(beams)?;
+        &*beams
     };
     let (config, columns) = (settings.to_config(beams)?, settings.columns as usize);
     let levels = state.wrapping_byte_add(layout.image_at);

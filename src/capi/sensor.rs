@@ -1,6 +1,8 @@
 //! Sensors, and what frames on their own grids are to be like.
 #![allow(unsafe_code, reason = "pointers from C; every block says what makes it sound")]
 
+use core::mem::offset_of;
+
 use super::config::CollisionCode;
 use super::memory::{Outcome, choose, deliver};
 use super::status::flicr_status;
@@ -73,7 +75,8 @@ pub struct flicr_beam {
 pub struct flicr_grid_config {
     /// Whose packets come.
     pub sensor: SensorCode,
-    /// Turns a minute: the known sensors' beams fire one after another while the sensor turns. 0: all at once.
+    /// Turns a minute, at most 6000: the known sensors' beams fire one after another while the sensor turns. 0: all at
+    /// once.
     pub turns_per_minute: u32,
     /// The beams, highest first; copied by flicr_grid_encoder_init_... Null: those of the sensor.
     pub beams: *const flicr_beam,
@@ -104,7 +107,18 @@ pub struct flicr_grid_config {
 /// Most beams of a sensor.
 pub const FLICR_BEAMS_MAX: usize = 128;
 
-const _: () = assert!(size_of::<flicr_beam>() == size_of::<Beam>());
+/// Faster than any sensor turns.
+const TURNS_PER_MINUTE_MAX: u32 = 6000;
+
+/// C's beams can be looked at as Rust's.
+const _: () = {
+    assert!(size_of::<flicr_beam>() == size_of::<Beam>() && align_of::<flicr_beam>() == align_of::<Beam>());
+    assert!(offset_of!(flicr_beam, slope) == offset_of!(Beam, slope));
+    assert!(offset_of!(flicr_beam, z_offset_m) == offset_of!(Beam, z_offset_m));
+    assert!(offset_of!(flicr_beam, h_offset_m) == offset_of!(Beam, h_offset_m));
+    assert!(offset_of!(flicr_beam, azimuth_phase_rad) == offset_of!(Beam, azimuth_phase_rad));
+    assert!(offset_of!(flicr_beam, range_phase_m) == offset_of!(Beam, range_phase_m));
+};
 
 /// Fills a configuration for a known sensor at its usual 600 turns a minute: lossless, the nearest return wins, the
 /// beams are carried. columns: about as many as the sensor fires in a turn, or its ticks.
@@ -182,38 +196,32 @@ impl flicr_sensor {
             _ => self.model().map(|(_, geometry)| geometry.grid()),
         }
     }
-
-    /// Writes the beams of a sensor that turns.
-    fn put_beams(self, turns_per_minute: u32, out: &mut [Beam]) -> Outcome<()> {
-        let written = match (self.model(), self.grid()) {
-            (Some((_, geometry)), _) if geometry.beams.len() == out.len() => {
-                geometry.fill_beams_at(turns_per_minute, out).map(|_| ())
-            }
-            (None, Some(grid)) if grid.beams.len() == out.len() => {
-                out.iter_mut().zip(grid.beams).for_each(|(out, &beam)| *out = beam);
-                Some(())
-            }
-            _ => None,
-        };
-        written.ok_or(flicr_status::Sensor)
-    }
 }
 
 impl flicr_grid_config {
-    /// Writes the beams, from C or the sensor's own.
+    /// The beams: C's, or the sensor's own as if all fired at once.
     ///
     /// # Safety
-    /// `beams` is null or `beam_count` of them may be read.
-    pub(super) unsafe fn put_beams(&self, out: &mut [Beam]) -> Outcome<()> {
+    /// `beams` is null or `beam_count` of them may be read before the result's last use.
+    pub(super) unsafe fn still_beams<'a>(&self) -> Outcome<&'a [Beam]> {
         if self.beams.is_null() {
-            return flicr_sensor::from_code(self.sensor)?.put_beams(self.turns_per_minute, out);
+            let grid = flicr_sensor::from_code(self.sensor)?.grid().ok_or(flicr_status::Sensor)?;
+            let fits = grid.beams.len() == self.beam_count as usize && self.turns_per_minute <= TURNS_PER_MINUTE_MAX;
+            return if fits { Ok(grid.beams) } else { Err(flicr_status::Sensor) };
         }
         if !self.beams.is_aligned() {
             return Err(flicr_status::Misaligned);
         }
-        for (at, out) in out.iter_mut().enumerate() {
-            // SAFETY: the caller's promise.
-            *out = unsafe { self.beams.add(at).read() }.into();
+        // SAFETY: aligned, of the same layout, and the caller's promise.
+        Ok(unsafe { core::slice::from_raw_parts(self.beams.cast(), self.beam_count as usize) })
+    }
+
+    /// Makes the sensor's own beams those of one that turns.
+    pub(super) fn turn(&self, beams: &mut [Beam]) -> Outcome<()> {
+        if self.beams.is_null()
+            && let Some((_, geometry)) = flicr_sensor::from_code(self.sensor)?.model()
+        {
+            geometry.fill_beams_at(self.turns_per_minute, beams).ok_or(flicr_status::Sensor)?;
         }
         Ok(())
     }
@@ -243,12 +251,5 @@ impl flicr_grid_config {
     /// Whether packets can come.
     pub(super) fn has_packets(&self) -> bool {
         flicr_sensor::from_code(self.sensor).is_ok_and(|sensor| sensor.model().is_some())
-    }
-}
-
-impl From<flicr_beam> for Beam {
-    fn from(beam: flicr_beam) -> Self {
-        let flicr_beam { slope, z_offset_m, h_offset_m, azimuth_phase_rad, range_phase_m } = beam;
-        Self { slope, z_offset_m, h_offset_m, azimuth_phase_rad, range_phase_m }
     }
 }

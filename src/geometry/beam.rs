@@ -19,6 +19,7 @@ use crate::error::ConfigError;
 /// z = d sin v + vo cos v
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
 pub struct Beam {
     /// Tangent of the elevation.
     pub slope: f32,
