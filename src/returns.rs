@@ -74,8 +74,13 @@ impl CountLevels {
     /// The same for the counts of packets, which have at most [`CELL_BITS`], if [`CountLevels::is_for_cells`].
     #[inline(always)]
     const fn level_of_cell(self, count: u32) -> u32 {
-        let twice = ((count << self.shift) as u64 * self.factor as u64) >> 32;
-        (twice as u32 + 1) >> 1
+        (self.twice(count) + 1) >> 1
+    }
+
+    /// Twice the exact level, cut off.
+    #[inline(always)]
+    const fn twice(self, count: u32) -> u32 {
+        (((count << self.shift) as u64 * self.factor as u64) >> 32) as u32
     }
 
     /// Steps that are shorter than a 1024th of the range unit have no room for a whole count's bits: all that they could
@@ -169,18 +174,19 @@ impl<L: Level> ReturnInserter<'_, L> {
     #[inline(never)]
     pub(crate) fn insert_column(&mut self, cells: &Column<'_>, column: Option<u32>) {
         let (scale, collision, columns) = (self.scale, self.collision, self.columns);
-        let max_level = if scale.is_for_cells() { u32::from(self.max_level) } else { 0 };
+        let half_levels = if scale.is_for_cells() { 2 * u32::from(self.max_level) } else { 0 };
         // From the column on, so that a row's pixel is a product away.
         let levels = column.and_then(|column| self.levels.get_mut(column as usize..)).unwrap_or(&mut []);
         let mut refused = Refused::default();
         cells.for_each_cell(|row, cell| {
-            let level = scale.level_of_cell(cell.count);
-            if level.wrapping_sub(1) >= max_level {
-                refused.count(cell.count, level);
+            // As `level_of_cell`, but that one comparison finds levels of 0 and beyond the last before they are rounded.
+            let twice = scale.twice(cell.count);
+            if twice.wrapping_sub(1) >= half_levels {
+                refused.count(cell.count, twice);
                 return;
             }
             let pixel = levels.get_mut(usize::from(row).wrapping_mul(columns));
-            refused.put(pixel, L::new(level as u16), collision);
+            refused.put(pixel, L::new(((twice + 1) >> 1) as u16), collision);
         });
         self.count(cells.rows() as u32, refused);
     }
