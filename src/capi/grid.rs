@@ -293,12 +293,17 @@ fn worst_case_len(columns: u32, beams: u32, level_bits: u32, coder: CoderCode) -
     Some(len + more + beams as usize * FLICR_BEAM_LEN)
 }
 
+/// Codes and writes the frame of the returns so far.
+type Finish = unsafe fn(&mut flicr_grid_encoder, Lent, Stamp, &mut [u8]) -> Outcome<flicr_encoded>;
+/// Takes a packet, or the stream's end.
+type Push = unsafe fn(&mut flicr_grid_encoder, Lent, Option<&[u8]>, &mut [u8]) -> Outcome<flicr_turn>;
+
 /// What depends on the coder and the level type.
 #[derive(Debug, Clone, Copy)]
 struct Calls {
     insert: unsafe fn(&mut flicr_grid_encoder, *mut c_void, Records),
-    finish: unsafe fn(&mut flicr_grid_encoder, Lent, Stamp, &mut [u8]) -> Outcome<flicr_encoded>,
-    push: unsafe fn(&mut flicr_grid_encoder, Lent, Option<&[u8]>, &mut [u8]) -> Outcome<flicr_turn>,
+    finish: Finish,
+    push: Push,
 }
 
 impl Calls {
@@ -407,7 +412,7 @@ unsafe fn place<C: StartsAsZeros>(
     // parts.
     let beams = unsafe {
         state.write_bytes(0, layout.len);
-        let place = state.cast::<u8>().add(layout.beams_at).cast::<Beam>();
+        let place = state.wrapping_byte_add(layout.beams_at).cast::<Beam>();
         place.copy_from_nonoverlapping(still.as_ptr(), still.len());
         let beams = core::slice::from_raw_parts_mut(place, still.len());
         settings.turn(beams)?;
@@ -417,15 +422,12 @@ unsafe fn place<C: StartsAsZeros>(
     let levels = state.wrapping_byte_add(layout.image_at);
     // SAFETY: the image lies there, and is nobody else's yet.
     let (turns, calls) = unsafe {
-        match level_len(settings.level_bits)? {
-            1 => (
-                TurnFrames::new(&config, assembler, &mut [image::<u8>(levels, layout, columns)?])?,
-                Calls::of::<u8, C>(),
-            ),
-            _ => {
-                let image = image::<u16>(levels, layout, columns)?;
-                (TurnFrames::new(&config, assembler, &mut [image])?, Calls::of::<u16, C>())
-            }
+        if level_len(settings.level_bits)? == 1 {
+            let image = image::<u8>(levels, layout, columns)?;
+            (TurnFrames::new(&config, assembler, &mut [image])?, Calls::of::<u8, C>())
+        } else {
+            let image = image::<u16>(levels, layout, columns)?;
+            (TurnFrames::new(&config, assembler, &mut [image])?, Calls::of::<u16, C>())
         }
     };
     let has_packets = settings.has_packets();

@@ -226,8 +226,8 @@ impl flicr_grid_config {
         Ok(())
     }
 
-    pub(super) fn to_config<'a>(&self, beams: &'a [Beam]) -> Outcome<GridConfig<'a>> {
-        let Self { ticks, zero_rad, range_unit_m, level_bits, step_m, .. } = *self;
+    pub(super) fn to_config(self, beams: &[Beam]) -> Outcome<GridConfig<'_>> {
+        let Self { ticks, zero_rad, range_unit_m, level_bits, step_m, .. } = self;
         let collisions = [Collision::Nearest, Collision::Farthest, Collision::First, Collision::Last];
         let clockwise = self.clockwise != 0;
         Ok(GridConfig {
