@@ -1,4 +1,4 @@
-/* flicr: a LiDAR codec for the device that the sensor hangs on. Made by cbindgen from src/capi.rs: do not edit.
+/* flicr: a LiDAR codec for the device that the sensor hangs on. Made by cbindgen from src/capi: do not edit.
  *
  *     static uint64_t memory[FLICR_ENCODER_WORDS(4500, 64, FLICR_CODER_DEFLATE)];
  *     static uint8_t frame[FLICR_WORST_CASE_LEN(4500, 64, FLICR_CODER_DEFLATE)];
@@ -11,6 +11,24 @@
  *     if (!status) status = flicr_encoder_init_deflate(memory, sizeof memory, &config, &encoder);
  *     if (!status) status = flicr_encode(encoder, points, count, sizeof points[0], stamp, frame, sizeof frame, &encoded);
  *     if (status) puts(flicr_status_text(status));
+ *
+ * A sensor's packets, one UDP payload at a time, a frame for each turn:
+ *
+ *     static uint64_t memory[FLICR_GRID_ENCODER_WORDS(1800, 16, 16, FLICR_CODER_RLE)];
+ *     static uint8_t frame[FLICR_GRID_WORST_CASE_LEN(1800, 16, 16, FLICR_CODER_RLE)];
+ *
+ *     flicr_grid_config config;
+ *     flicr_grid_encoder *encoder;
+ *     flicr_turn turn;
+ *     flicr_status status = flicr_grid_config_init(FLICR_SENSOR_VLP16, 1800, &config);
+ *     if (!status) status = flicr_grid_encoder_init_rle(memory, sizeof memory, &config, &encoder);
+ *     while (!status) {
+ *       size_t len = recv(socket, packet, sizeof packet, 0);
+ *       flicr_status pushed = flicr_push_packet(encoder, packet, len, frame, sizeof frame, &turn);
+ *       if (!pushed) send_frame(frame, turn.encoded.len);
+ *     }
+ *
+ * A driver that has beams, ticks and range counts already hands them to flicr_insert_returns.
  *
  * What holds for every function:
  * - It returns a status where anything can go wrong; FLICR_STATUS_OK is 0.
@@ -63,6 +81,30 @@
             : (coder) == FLICR_CODER_DEFLATE_SMALL ? FLICR_DEFLATE_SMALL_BLOCK_LEN \
             : (coder) == FLICR_CODER_DEFLATE_DENSE ? FLICR_DEFLATE_DENSE_BLOCK_LEN \
                                                    : FLICR_RLE_BLOCK_LEN))
+
+/** Bytes of a pixel on a grid. */
+#define FLICR_LEVEL_LEN(level_bits) ((size_t)((level_bits) > 8 ? 2 : 1))
+
+/** As FLICR_ENCODER_SIZE, for an encoder on a grid. */
+#define FLICR_GRID_ENCODER_SIZE(columns, beams, level_bits, coder) \
+  ((size_t)FLICR_GRID_ENCODER_OVERHEAD + FLICR_CODER_STATE_LEN(coder) + (size_t)FLICR_BEAM_LEN * (size_t)(beams) \
+   + FLICR_LEVEL_LEN(level_bits) * (size_t)(columns) * (size_t)(beams))
+
+/** As FLICR_ENCODER_WORDS, for an encoder on a grid. */
+#define FLICR_GRID_ENCODER_WORDS(columns, beams, level_bits, coder) \
+  ((FLICR_GRID_ENCODER_SIZE(columns, beams, level_bits, coder) + 7) / 8)
+
+/** Output bytes that are enough for every frame on a grid, with its beams; a constant where its arguments are. */
+#define FLICR_GRID_WORST_CASE_LEN(columns, beams, level_bits, coder) \
+  ((size_t)FLICR_GRID_FRAME_OVERHEAD_LEN + (size_t)FLICR_BEAM_LEN * (size_t)(beams) \
+   + FLICR_GRID_PAYLOAD_LEN((size_t)(columns) * (size_t)(beams) * FLICR_LEVEL_LEN(level_bits), level_bits, coder))
+
+/** Of these, the payload's: so many bytes of levels, in blocks that each cost some bytes more. */
+#define FLICR_GRID_PAYLOAD_LEN(bytes, level_bits, coder) \
+  ((bytes) + FLICR_BLOCK_COST(coder) * (((bytes) + FLICR_GRID_BLOCK_LEN(level_bits, coder) - 1) \
+                                        / FLICR_GRID_BLOCK_LEN(level_bits, coder)))
+#define FLICR_GRID_BLOCK_LEN(level_bits, coder) \
+  (FLICR_BLOCK_LEN(coder) * ((coder) == FLICR_CODER_RLE ? FLICR_LEVEL_LEN(level_bits) : 1))
 
 /**
  * Major version: changes where programs that use this header must be changed.
@@ -135,6 +177,26 @@
 #define FLICR_DEFLATE_BLOCK_COST 5
 
 /**
+ * Bytes that a grid encoder takes besides its beams, its coder's state and its image.
+ */
+#define FLICR_GRID_ENCODER_OVERHEAD 768
+
+/**
+ * Bytes that a frame on a grid takes besides its payload, and its beams where it carries them.
+ */
+#define FLICR_GRID_FRAME_OVERHEAD_LEN 84
+
+/**
+ * Bytes of a beam, in an encoder and in a frame.
+ */
+#define FLICR_BEAM_LEN 20
+
+/**
+ * Most beams of a sensor.
+ */
+#define FLICR_BEAMS_MAX 128
+
+/**
  * What went wrong. The numbers stay what they are; later versions may add some.
  */
 enum flicr_status
@@ -175,11 +237,12 @@ enum flicr_status
    */
   FLICR_STATUS_SIZE = 7,
   /**
-   * Level bits must be 1 to 8.
+   * Level bits must be 1 to 8, on a grid 1 to 16.
    */
   FLICR_STATUS_LEVEL_BITS = 8,
   /**
-   * The largest range must be 0 (the scale follows each frame) or a positive, finite number of meters.
+   * The largest range must be 0 (the scale follows each frame) or a positive, finite number of meters; on a grid the
+   * step must be such a number.
    */
   FLICR_STATUS_MAX_RANGE = 9,
   /**
@@ -222,6 +285,34 @@ enum flicr_status
    * No frame has been started.
    */
   FLICR_STATUS_NOT_STARTED = 19,
+  /**
+   * A sensor that is not in flicr_sensor, or lacks what is asked of it: beams in that number, or packets.
+   */
+  FLICR_STATUS_SENSOR = 20,
+  /**
+   * A policy that is not in flicr_return_policy.
+   */
+  FLICR_STATUS_RETURN_POLICY = 21,
+  /**
+   * The beams' slopes must fall from row to row, and their numbers be such as a sensor can have.
+   */
+  FLICR_STATUS_BEAM = 22,
+  /**
+   * A turn has 1 to 2^20 ticks.
+   */
+  FLICR_STATUS_TICKS = 23,
+  /**
+   * A range unit is more than 0 and at most a meter.
+   */
+  FLICR_STATUS_RANGE_UNIT = 24,
+  /**
+   * No error: the packet has been taken, and the turn goes on. Nothing has been encoded.
+   */
+  FLICR_STATUS_TURN_OPEN = 25,
+  /**
+   * The packet is not one of the sensor's, is damaged, late or doubled. Nothing of it is used.
+   */
+  FLICR_STATUS_PACKET_REFUSED = 26,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -379,10 +470,97 @@ typedef uint32_t flicr_placement;
 #endif // __cplusplus
 
 /**
+ * Sensors whose grids, and but for the first two whose packets, are known.
+ */
+enum flicr_sensor
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * Any that sends no packets known here: its grid is all in flicr_grid_config.
+   */
+  FLICR_SENSOR_CUSTOM = 0,
+  /**
+   * Velodyne HDL-64E, KITTI's unit: returns only.
+   */
+  FLICR_SENSOR_HDL64E = 1,
+  /**
+   * Velodyne VLP-16 and Puck LITE.
+   */
+  FLICR_SENSOR_VLP16 = 2,
+  /**
+   * Velodyne Puck Hi-Res.
+   */
+  FLICR_SENSOR_PUCK_HI_RES = 3,
+  /**
+   * Velodyne VLP-32C.
+   */
+  FLICR_SENSOR_VLP32C = 4,
+  /**
+   * Velodyne HDL-32E.
+   */
+  FLICR_SENSOR_HDL32E = 5,
+  /**
+   * Velodyne VLS-128.
+   */
+  FLICR_SENSOR_VLS128 = 6,
+  /**
+   * Hesai Pandar40P.
+   */
+  FLICR_SENSOR_PANDAR40P = 7,
+  /**
+   * Hesai Pandar64.
+   */
+  FLICR_SENSOR_PANDAR64 = 8,
+  /**
+   * Hesai PandarXT-32.
+   */
+  FLICR_SENSOR_PANDAR_XT32 = 9,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum flicr_sensor flicr_sensor;
+#else
+typedef uint32_t flicr_sensor;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Which of two returns in a packet is meant.
+ */
+enum flicr_return_policy
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * The stronger.
+   */
+  FLICR_RETURN_POLICY_STRONGEST = 0,
+  /**
+   * The farther.
+   */
+  FLICR_RETURN_POLICY_LAST = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum flicr_return_policy flicr_return_policy;
+#else
+typedef uint32_t flicr_return_policy;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * An encoder, in memory of the caller's: this head, the coder's state, the image. To be ended, it needs nothing but
  * its memory's end.
  */
 typedef struct flicr_encoder flicr_encoder;
+
+/**
+ * An encoder on a grid, in memory of the caller's: this head, the coder's state, the beams, the image.
+ */
+typedef struct flicr_grid_encoder flicr_grid_encoder;
 
 /**
  * What frames are to be like. Filled by flicr_config_init; then change what you like.
@@ -510,6 +688,166 @@ typedef struct flicr_encoded {
   struct flicr_tally tally;
 } flicr_encoded;
 
+/**
+ * One laser of a spinning sensor. docs/FORMAT.md says where its returns lie.
+ */
+typedef struct flicr_beam {
+  /**
+   * Tangent of the elevation.
+   */
+  float slope;
+  /**
+   * Height over the sensor's origin at which the beam, prolonged, crosses the spin axis, meters.
+   */
+  float z_offset_m;
+  /**
+   * Sideways distance of the beam from the spin axis, meters; positive to the right.
+   */
+  float h_offset_m;
+  /**
+   * What the beam adds to the encoder's azimuth, radians counterclockwise seen from above.
+   */
+  float azimuth_phase_rad;
+  /**
+   * Range of count 0, meters.
+   */
+  float range_phase_m;
+} flicr_beam;
+
+/**
+ * What frames on a sensor's own grid are to be like. Filled by flicr_grid_config_init; then change what you like.
+ */
+typedef struct flicr_grid_config {
+  /**
+   * Whose packets come.
+   */
+  flicr_sensor sensor;
+  /**
+   * Turns a minute, at most 6000: the known sensors' beams fire one after another while the sensor turns. 0: all at
+   * once.
+   */
+  uint32_t turns_per_minute;
+  /**
+   * The beams, highest first; copied by flicr_grid_encoder_init_... Null: those of the sensor.
+   */
+  const struct flicr_beam *beams;
+  /**
+   * Beams, and rows of the image: 1 to FLICR_BEAMS_MAX.
+   */
+  uint32_t beam_count;
+  /**
+   * Encoder ticks a turn.
+   */
+  uint32_t ticks;
+  /**
+   * 1 where ticks grow clockwise, seen from above; 0 where not.
+   */
+  uint32_t clockwise;
+  /**
+   * Azimuth of tick 0, radians from -pi to pi, counterclockwise from x.
+   */
+  float zero_rad;
+  /**
+   * One range count, meters.
+   */
+  float range_unit_m;
+  /**
+   * Columns, spread evenly over the turn from tick 0 on.
+   */
+  uint32_t columns;
+  /**
+   * Bits of a level: 1 to 8 take a byte a pixel, 9 to 16 take two.
+   */
+  uint32_t level_bits;
+  /**
+   * Distance of the levels, meters. The range unit: nothing is lost.
+   */
+  float step_m;
+  /**
+   * Which return a pixel keeps where several fall into it.
+   */
+  flicr_collision collision;
+  /**
+   * Which of two returns in a packet is meant.
+   */
+  flicr_return_policy returns;
+  /**
+   * 1 where each frame carries the beams (20 bytes each), for receivers that do not know them; 0 where not.
+   */
+  uint32_t table;
+} flicr_grid_config;
+
+/**
+ * A turn that a packet has ended.
+ */
+typedef struct flicr_turn {
+  /**
+   * The frame's length, and what became of the returns. Its number is the turn's, its time that of the first column
+   * in the sensor's clock, nanoseconds.
+   */
+  struct flicr_encoded encoded;
+  /**
+   * Number of the turn since the stream began, lost ones counted.
+   */
+  uint32_t number;
+  /**
+   * Firings in the turn, missing ones counted.
+   */
+  uint32_t columns;
+  /**
+   * Firings that are missing: lost, not measured, or from before the stream began.
+   */
+  uint32_t missing;
+} flicr_turn;
+
+/**
+ * What became of an encoder's packets.
+ */
+typedef struct flicr_packet_stats {
+  /**
+   * Packets used.
+   */
+  uint32_t used;
+  /**
+   * Packets refused.
+   */
+  uint32_t refused;
+  /**
+   * Firings in the packets used.
+   */
+  uint32_t columns;
+  /**
+   * Firings that packets lost or refused should have held.
+   */
+  uint32_t lost_columns;
+  /**
+   * Turns that ended.
+   */
+  uint32_t turns;
+  /**
+   * Turns of which nothing was received.
+   */
+  uint32_t lost_turns;
+} flicr_packet_stats;
+
+/**
+ * One return, in its sensor's own integers.
+ */
+typedef struct flicr_return {
+  /**
+   * The encoder's tick.
+   */
+  uint32_t tick;
+  /**
+   * Range in range units; 0 is no return.
+   */
+  uint32_t count;
+  /**
+   * The beam; row 0 is the highest.
+   */
+  uint32_t row;
+} flicr_return;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -520,9 +858,13 @@ extern "C" {
 uint32_t flicr_version(void);
 
 /**
- * A sentence in English for a status; a sentence for numbers that are none, too. Never null, never to be freed.
+ * Fills a configuration with a preset's choices, for a sensor that looks all around.
+ *
+ * The presets' elevations are the HDL-64E's: for another sensor, set top_rad and bottom_rad.
+ *
+ * FLICR_STATUS_PRESET, FLICR_STATUS_SIZE.
  */
-const char *flicr_status_text(flicr_status status);
+flicr_status flicr_config_init(flicr_preset preset, uint32_t columns, uint32_t rows, struct flicr_config *out_config);
 
 /**
  * What FLICR_ENCODER_SIZE gives: bytes that an encoder takes. 0 where there can be none.
@@ -533,15 +875,6 @@ size_t flicr_encoder_size(uint32_t columns, uint32_t rows, flicr_coder coder);
  * What FLICR_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
  */
 size_t flicr_worst_case_len(uint32_t columns, uint32_t rows, flicr_coder coder);
-
-/**
- * Fills a configuration with a preset's choices, for a sensor that looks all around.
- *
- * The presets' elevations are the HDL-64E's: for another sensor, set top_rad and bottom_rad.
- *
- * FLICR_STATUS_PRESET, FLICR_STATUS_SIZE.
- */
-flicr_status flicr_config_init(flicr_preset preset, uint32_t columns, uint32_t rows, struct flicr_config *out_config);
 
 /**
  * Makes an encoder that stores levels as they are, in memory of at least
@@ -626,6 +959,351 @@ flicr_status flicr_insert(struct flicr_encoder *encoder, const void *points, siz
  * be finished elsewhere.
  */
 flicr_status flicr_finish(struct flicr_encoder *encoder, void *out, size_t out_len, struct flicr_encoded *out_encoded);
+
+/**
+ * What FLICR_GRID_ENCODER_SIZE gives: bytes that an encoder takes. 0 where there can be none.
+ */
+size_t flicr_grid_encoder_size(uint32_t columns, uint32_t beams, uint32_t level_bits, flicr_coder coder);
+
+/**
+ * What FLICR_GRID_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
+ */
+size_t flicr_grid_worst_case_len(uint32_t columns, uint32_t beams, uint32_t level_bits, flicr_coder coder);
+
+/**
+ * Makes an encoder that stores levels as they are, in memory of at least FLICR_GRID_ENCODER_SIZE(config->columns,
+ * config->beam_count, config->level_bits, FLICR_CODER_STORE) bytes, aligned to FLICR_ENCODER_ALIGN.
+ *
+ * FLICR_STATUS_STATE_TOO_SMALL, FLICR_STATUS_MISALIGNED, and any status that names a member of the configuration.
+ */
+flicr_status flicr_grid_encoder_init_store(void *state,
+                                           size_t state_len,
+                                           const struct flicr_grid_config *config,
+                                           struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_RLE.
+ */
+flicr_status flicr_grid_encoder_init_rle(void *state,
+                                         size_t state_len,
+                                         const struct flicr_grid_config *config,
+                                         struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE.
+ */
+flicr_status flicr_grid_encoder_init_deflate(void *state,
+                                             size_t state_len,
+                                             const struct flicr_grid_config *config,
+                                             struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
+ */
+flicr_status flicr_grid_encoder_init_deflate_small(void *state,
+                                                   size_t state_len,
+                                                   const struct flicr_grid_config *config,
+                                                   struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
+ */
+flicr_status flicr_grid_encoder_init_deflate_dense(void *state,
+                                                   size_t state_len,
+                                                   const struct flicr_grid_config *config,
+                                                   struct flicr_grid_encoder **out_encoder);
+
+/**
+ * Puts returns into the frame that is open: `count` records, `stride_bytes` apart, each starting with a flicr_return,
+ * at any alignment. Of the last record only these 12 bytes are read. Returns on a row or tick that the grid does not
+ * have are counted as out of view.
+ *
+ * FLICR_STATUS_STRIDE, FLICR_STATUS_TOO_MANY_POINTS, FLICR_STATUS_OVERLAP: none of the returns are in the frame then.
+ */
+flicr_status flicr_insert_returns(struct flicr_grid_encoder *encoder,
+                                  const void *returns,
+                                  size_t count,
+                                  size_t stride_bytes);
+
+/**
+ * Codes the frame of the returns so far to the front of `out`, and begins the next.
+ *
+ * FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_GRID_WORST_CASE_LEN bytes, and FLICR_STATUS_OVERLAP: the frame stays
+ * open then, to be finished elsewhere.
+ */
+flicr_status flicr_finish_returns(struct flicr_grid_encoder *encoder,
+                                  struct flicr_stamp stamp,
+                                  void *out,
+                                  size_t out_len,
+                                  struct flicr_encoded *out_encoded);
+
+/**
+ * Takes one UDP payload of the sensor. Where it ends a turn, FLICR_STATUS_OK: the turn's frame is at the front of
+ * `out`, and what the packet holds of the next turn is kept. Until then FLICR_STATUS_TURN_OPEN.
+ *
+ * FLICR_STATUS_PACKET_REFUSED: the packet is not one of the sensor's, is damaged, late or doubled; nothing of it is
+ * used, and it is counted. FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_GRID_WORST_CASE_LEN bytes: the turn is
+ * lost, the next has begun. FLICR_STATUS_SENSOR: the configuration names no sensor whose packets are known.
+ */
+flicr_status flicr_push_packet(struct flicr_grid_encoder *encoder,
+                               const void *packet,
+                               size_t packet_len,
+                               void *out,
+                               size_t out_len,
+                               struct flicr_turn *out_turn);
+
+/**
+ * Ends the turn that is open, as flicr_push_packet does; the next packet starts the stream anew.
+ * FLICR_STATUS_TURN_OPEN where there was none.
+ *
+ * FLICR_STATUS_OUTPUT_TOO_SMALL, FLICR_STATUS_SENSOR.
+ */
+flicr_status flicr_finish_packets(struct flicr_grid_encoder *encoder,
+                                  void *out,
+                                  size_t out_len,
+                                  struct flicr_turn *out_turn);
+
+/**
+ * Says what became of the packets so far.
+ */
+flicr_status flicr_get_packet_stats(struct flicr_grid_encoder *encoder, struct flicr_packet_stats *out_stats);
+
+/**
+ * Fills a configuration for a known sensor at its usual 600 turns a minute: lossless, the nearest return wins, the
+ * beams are carried. columns: about as many as the sensor fires in a turn, or its ticks.
+ *
+ * FLICR_STATUS_SENSOR, for FLICR_SENSOR_CUSTOM too; FLICR_STATUS_SIZE.
+ */
+flicr_status flicr_grid_config_init(flicr_sensor sensor, uint32_t columns, struct flicr_grid_config *out_config);
+
+/**
+ * A sentence in English for a status; a sentence for numbers that are none, too. Never null, never to be freed.
+ */
+const char *flicr_status_text(flicr_status status);
+
+/**
+ * A sentence in English for a status; a sentence for numbers that are none, too. Never null, never to be freed.
+ */
+const char *flicr_status_text(flicr_status status);
+
+/**
+ * Fills a configuration with a preset's choices, for a sensor that looks all around.
+ *
+ * The presets' elevations are the HDL-64E's: for another sensor, set top_rad and bottom_rad.
+ *
+ * FLICR_STATUS_PRESET, FLICR_STATUS_SIZE.
+ */
+flicr_status flicr_config_init(flicr_preset preset, uint32_t columns, uint32_t rows, struct flicr_config *out_config);
+
+/**
+ * Fills a configuration for a known sensor at its usual 600 turns a minute: lossless, the nearest return wins, the
+ * beams are carried. columns: about as many as the sensor fires in a turn, or its ticks.
+ *
+ * FLICR_STATUS_SENSOR, for FLICR_SENSOR_CUSTOM too; FLICR_STATUS_SIZE.
+ */
+flicr_status flicr_grid_config_init(flicr_sensor sensor, uint32_t columns, struct flicr_grid_config *out_config);
+
+/**
+ * What FLICR_ENCODER_SIZE gives: bytes that an encoder takes. 0 where there can be none.
+ */
+size_t flicr_encoder_size(uint32_t columns, uint32_t rows, flicr_coder coder);
+
+/**
+ * What FLICR_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
+ */
+size_t flicr_worst_case_len(uint32_t columns, uint32_t rows, flicr_coder coder);
+
+/**
+ * Makes an encoder that stores levels as they are, in memory of at least
+ * FLICR_ENCODER_SIZE(config->columns, config->rows, FLICR_CODER_STORE) bytes, aligned to FLICR_ENCODER_ALIGN. What the
+ * memory held does not matter.
+ *
+ * FLICR_STATUS_STATE_TOO_SMALL, FLICR_STATUS_MISALIGNED, and any status that names a member of the configuration.
+ */
+flicr_status flicr_encoder_init_store(void *state,
+                                      size_t state_len,
+                                      const struct flicr_config *config,
+                                      struct flicr_encoder **out_encoder);
+
+/**
+ * As flicr_encoder_init_store, for FLICR_CODER_RLE.
+ */
+flicr_status flicr_encoder_init_rle(void *state,
+                                    size_t state_len,
+                                    const struct flicr_config *config,
+                                    struct flicr_encoder **out_encoder);
+
+/**
+ * As flicr_encoder_init_store, for FLICR_CODER_DEFLATE.
+ */
+flicr_status flicr_encoder_init_deflate(void *state,
+                                        size_t state_len,
+                                        const struct flicr_config *config,
+                                        struct flicr_encoder **out_encoder);
+
+/**
+ * As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
+ */
+flicr_status flicr_encoder_init_deflate_small(void *state,
+                                              size_t state_len,
+                                              const struct flicr_config *config,
+                                              struct flicr_encoder **out_encoder);
+
+/**
+ * As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
+ */
+flicr_status flicr_encoder_init_deflate_dense(void *state,
+                                              size_t state_len,
+                                              const struct flicr_config *config,
+                                              struct flicr_encoder **out_encoder);
+
+/**
+ * Encodes a whole scan to the front of `out`: `count` records, `stride_bytes` apart, each starting with x, y, z as
+ * float, meters (x forward, y left, z up), at any alignment. Of the last record only these 12 bytes are read. A frame
+ * that was started is dropped.
+ *
+ * FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_WORST_CASE_LEN bytes; FLICR_STATUS_STRIDE,
+ * FLICR_STATUS_TOO_MANY_POINTS, FLICR_STATUS_OVERLAP.
+ */
+flicr_status flicr_encode(struct flicr_encoder *encoder,
+                          const void *points,
+                          size_t count,
+                          size_t stride_bytes,
+                          struct flicr_stamp stamp,
+                          void *out,
+                          size_t out_len,
+                          struct flicr_encoded *out_encoded);
+
+/**
+ * Begins a frame whose points come piece by piece. A frame that was started before is dropped.
+ *
+ * FLICR_STATUS_SCALE_NEEDS_WHOLE_SCAN where the configuration has no largest range.
+ */
+flicr_status flicr_start(struct flicr_encoder *encoder, struct flicr_stamp stamp);
+
+/**
+ * Puts points into the frame that was started; as in flicr_encode.
+ *
+ * FLICR_STATUS_NOT_STARTED, FLICR_STATUS_STRIDE, FLICR_STATUS_TOO_MANY_POINTS, FLICR_STATUS_OVERLAP: none of the
+ * points are in the frame then.
+ */
+flicr_status flicr_insert(struct flicr_encoder *encoder, const void *points, size_t count, size_t stride_bytes);
+
+/**
+ * Codes the frame that was started to the front of `out`, and ends it.
+ *
+ * FLICR_STATUS_NOT_STARTED; FLICR_STATUS_OUTPUT_TOO_SMALL and FLICR_STATUS_OVERLAP: the frame stays as it is then, to
+ * be finished elsewhere.
+ */
+flicr_status flicr_finish(struct flicr_encoder *encoder, void *out, size_t out_len, struct flicr_encoded *out_encoded);
+
+/**
+ * What FLICR_GRID_ENCODER_SIZE gives: bytes that an encoder takes. 0 where there can be none.
+ */
+size_t flicr_grid_encoder_size(uint32_t columns, uint32_t beams, uint32_t level_bits, flicr_coder coder);
+
+/**
+ * What FLICR_GRID_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
+ */
+size_t flicr_grid_worst_case_len(uint32_t columns, uint32_t beams, uint32_t level_bits, flicr_coder coder);
+
+/**
+ * Makes an encoder that stores levels as they are, in memory of at least FLICR_GRID_ENCODER_SIZE(config->columns,
+ * config->beam_count, config->level_bits, FLICR_CODER_STORE) bytes, aligned to FLICR_ENCODER_ALIGN.
+ *
+ * FLICR_STATUS_STATE_TOO_SMALL, FLICR_STATUS_MISALIGNED, and any status that names a member of the configuration.
+ */
+flicr_status flicr_grid_encoder_init_store(void *state,
+                                           size_t state_len,
+                                           const struct flicr_grid_config *config,
+                                           struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_RLE.
+ */
+flicr_status flicr_grid_encoder_init_rle(void *state,
+                                         size_t state_len,
+                                         const struct flicr_grid_config *config,
+                                         struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE.
+ */
+flicr_status flicr_grid_encoder_init_deflate(void *state,
+                                             size_t state_len,
+                                             const struct flicr_grid_config *config,
+                                             struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
+ */
+flicr_status flicr_grid_encoder_init_deflate_small(void *state,
+                                                   size_t state_len,
+                                                   const struct flicr_grid_config *config,
+                                                   struct flicr_grid_encoder **out_encoder);
+
+/**
+ * As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
+ */
+flicr_status flicr_grid_encoder_init_deflate_dense(void *state,
+                                                   size_t state_len,
+                                                   const struct flicr_grid_config *config,
+                                                   struct flicr_grid_encoder **out_encoder);
+
+/**
+ * Puts returns into the frame that is open: `count` records, `stride_bytes` apart, each starting with a flicr_return,
+ * at any alignment. Of the last record only these 12 bytes are read. Returns on a row or tick that the grid does not
+ * have are counted as out of view.
+ *
+ * FLICR_STATUS_STRIDE, FLICR_STATUS_TOO_MANY_POINTS, FLICR_STATUS_OVERLAP: none of the returns are in the frame then.
+ */
+flicr_status flicr_insert_returns(struct flicr_grid_encoder *encoder,
+                                  const void *returns,
+                                  size_t count,
+                                  size_t stride_bytes);
+
+/**
+ * Codes the frame of the returns so far to the front of `out`, and begins the next.
+ *
+ * FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_GRID_WORST_CASE_LEN bytes, and FLICR_STATUS_OVERLAP: the frame stays
+ * open then, to be finished elsewhere.
+ */
+flicr_status flicr_finish_returns(struct flicr_grid_encoder *encoder,
+                                  struct flicr_stamp stamp,
+                                  void *out,
+                                  size_t out_len,
+                                  struct flicr_encoded *out_encoded);
+
+/**
+ * Takes one UDP payload of the sensor. Where it ends a turn, FLICR_STATUS_OK: the turn's frame is at the front of
+ * `out`, and what the packet holds of the next turn is kept. Until then FLICR_STATUS_TURN_OPEN.
+ *
+ * FLICR_STATUS_PACKET_REFUSED: the packet is not one of the sensor's, is damaged, late or doubled; nothing of it is
+ * used, and it is counted. FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_GRID_WORST_CASE_LEN bytes: the turn is
+ * lost, the next has begun. FLICR_STATUS_SENSOR: the configuration names no sensor whose packets are known.
+ */
+flicr_status flicr_push_packet(struct flicr_grid_encoder *encoder,
+                               const void *packet,
+                               size_t packet_len,
+                               void *out,
+                               size_t out_len,
+                               struct flicr_turn *out_turn);
+
+/**
+ * Ends the turn that is open, as flicr_push_packet does; the next packet starts the stream anew.
+ * FLICR_STATUS_TURN_OPEN where there was none.
+ *
+ * FLICR_STATUS_OUTPUT_TOO_SMALL, FLICR_STATUS_SENSOR.
+ */
+flicr_status flicr_finish_packets(struct flicr_grid_encoder *encoder,
+                                  void *out,
+                                  size_t out_len,
+                                  struct flicr_turn *out_turn);
+
+/**
+ * Says what became of the packets so far.
+ */
+flicr_status flicr_get_packet_stats(struct flicr_grid_encoder *encoder, struct flicr_packet_stats *out_stats);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -12,7 +12,7 @@ use crate::insert::{farthest_m, insert};
 use crate::packet::Column;
 use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
-use crate::returns::{CountLevels, GridReturn, ReturnInserter, TickColumns};
+use crate::returns::{GridReturn, ReturnInserter, ReturnScale};
 use crate::tally::Tally;
 
 /// What the caller tells the receiver of a frame besides its points.
@@ -195,6 +195,8 @@ pub fn encode<L: Level, C: Coder<L>>(
 #[derive(Debug)]
 pub struct FrameEncoder<'a, L: Level, C, S: FrameSettings = Config> {
     frame: OpenFrame<S>,
+    /// Known when the first firing comes.
+    scale: Option<ReturnScale>,
     image: ImageViewMut<'a, L>,
     coder: &'a mut C,
 }
@@ -211,7 +213,7 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
         coder: &'a mut C,
     ) -> Result<Self, EncodeError> {
         let frame = OpenFrame::start(config, stamp, &mut image)?;
-        Ok(Self { frame, image, coder })
+        Ok(Self { frame, scale: None, image, coder })
     }
 
     /// Puts points into the image.
@@ -254,7 +256,8 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     where
         S: GridSettings,
     {
-        self.frame.insert_column(column, &mut self.image);
+        let scale = self.scale.get_or_insert_with(|| self.frame.return_scale());
+        self.frame.insert_column(column, scale, &mut self.image);
     }
 
     /// What became of the points so far.
@@ -305,8 +308,9 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const WORDS: usize, const NODES:
     /// out of view, those of count 0 as no return.
     pub fn insert_fired<R: Into<GridReturn>>(&mut self, returns: impl IntoIterator<Item = R>) {
         let lattice = self.frame.projection;
-        let unit_m = self.frame.config.every_tick.lattice.grid().range_unit_m;
-        let mut inserter = self.frame.return_inserter(unit_m, &mut self.image);
+        let grid = self.frame.config.every_tick.lattice.grid();
+        let scale = ReturnScale::new(grid, &self.frame.quantizer, self.frame.columns);
+        let mut inserter = self.frame.return_inserter(&scale, &mut self.image);
         for found in returns {
             let found: GridReturn = found.into();
             inserter.insert_one(found, lattice.column(found.row, found.tick));
@@ -401,37 +405,44 @@ impl<S: FrameSettings> OpenFrame<S> {
     ) where
         S: GridSettings,
     {
-        let mut columns = self.tick_columns();
-        let mut inserter = self.return_inserter(self.config.grid().range_unit_m, image);
+        let mut scale = self.return_scale();
+        let mut inserter = self.return_inserter(&scale, image);
         for found in returns {
             let found = found.into();
-            inserter.insert_one(found, columns.column(found.tick));
+            inserter.insert_one(found, scale.columns.column(found.tick));
         }
     }
 
-    /// Puts one firing into the image that the frame was started with.
-    pub(crate) fn insert_column<L: Level>(&mut self, column: &Column<'_>, image: &mut ImageViewMut<'_, L>)
+    /// Puts one firing into the image that the frame was started with. `scale` is the frame's.
+    #[inline]
+    pub(crate) fn insert_column<L: Level>(
+        &mut self,
+        column: &Column<'_>,
+        scale: &mut ReturnScale,
+        image: &mut ImageViewMut<'_, L>,
+    ) where
+        S: GridSettings,
+    {
+        let at = scale.columns.column(column.tick.into());
+        self.return_inserter(scale, image).insert_column(column, at);
+    }
+
+    /// The same for all frames of one configuration.
+    pub(crate) fn return_scale(&self) -> ReturnScale
     where
         S: GridSettings,
     {
-        let at = self.tick_columns().column(column.tick.into());
-        self.return_inserter(self.config.grid().range_unit_m, image).insert_column(column, at);
+        ReturnScale::new(self.config.grid(), &self.quantizer, self.columns)
     }
 
-    fn tick_columns(&self) -> TickColumns
-    where
-        S: GridSettings,
-    {
-        TickColumns::new(self.config.grid().ticks, self.columns)
-    }
-
+    #[inline]
     fn return_inserter<'a, L: Level>(
         &'a mut self,
-        range_unit_m: f32,
+        scale: &ReturnScale,
         image: &'a mut ImageViewMut<'_, L>,
     ) -> ReturnInserter<'a, L> {
         ReturnInserter {
-            scale: CountLevels::new(range_unit_m, &self.quantizer),
+            scale: scale.levels,
             max_level: self.quantizer.max_level(),
             collision: self.config.policy().collision,
             columns: image.columns(),

@@ -9,11 +9,14 @@
 //! points ──> point ──> geometry, kernel ──> insert ──> image ──> coder ────────> frame ──> bytes
 //!            blocks    pixel and level      collisions levels    store, rle,     header,
 //!            of lanes  of each point        and tally  0 = none  deflate         strips, crc
+//!
+//! packets ─> packet ──> returns ───────────────────────^
+//!            columns    pixel and level of each beam, tick and count
 //! ```
 //!
 //! `encoder` wires them; `decoder` (feature `std`) walks back; `metrics` compares what went in with
 //! what came out and sees only points. `capi` and the command line sit on top. [`packet`] reads the sensor's own
-//! packets, where range, beam and azimuth stand as integers.
+//! packets, where range, beam and azimuth stand as integers; `packet_encoder` makes a frame of every turn of them.
 //!
 //! # Words
 //!

@@ -8,6 +8,7 @@ use crate::encoder::{Encoded, OpenFrame, Stamp};
 use crate::error::EncodeError;
 use crate::image::{ImageViewMut, Level};
 use crate::packet::{Column, Event, PacketError, PacketStats, Turn, TurnAssembler};
+use crate::returns::ReturnScale;
 
 /// A turn that has been encoded: one frame a layer, back to back in the output.
 ///
@@ -168,6 +169,7 @@ fn encode_turn<L: Level, C: Coder<L>, S: GridSettings, const LAYERS: usize>(
 pub(crate) struct TurnFrames<S: GridSettings, const LAYERS: usize> {
     assembler: TurnAssembler,
     frames: [OpenFrame<S>; LAYERS],
+    scale: ReturnScale,
 }
 
 impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
@@ -181,11 +183,17 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         for image in images.iter_mut().skip(1) {
             frame = OpenFrame::start(config, Stamp::default(), image)?;
         }
-        Ok(Self { assembler, frames: [frame; LAYERS] })
+        Ok(Self { assembler, scale: frame.return_scale(), frames: [frame; LAYERS] })
     }
 
     pub(crate) const fn stats(&self) -> PacketStats {
         self.assembler.stats()
+    }
+
+    /// The first layer's frame, for returns that are no packets'.
+    #[cfg(feature = "capi")]
+    pub(crate) const fn frame_mut(&mut self) -> &mut OpenFrame<S> {
+        &mut self.frames[0]
     }
 
     /// Takes a packet; calls `end` with the frames of the turn that it ends.
@@ -195,13 +203,13 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         images: &mut [ImageViewMut<'i, L>; LAYERS],
         end: &mut impl FnMut(Turn, &[OpenFrame<S>; LAYERS], &[ImageViewMut<'i, L>; LAYERS]),
     ) -> Result<(), PacketError> {
-        let Self { assembler, frames } = self;
+        let Self { assembler, frames, scale } = self;
         let mut ended = false;
-        assembler.push(packet, |event| match event {
-            Event::Column(column) => insert(&column, frames, images),
+        assembler.push(packet, |event| match &event {
+            Event::Column(column) => insert(column, scale, frames, images),
             Event::TurnEnd(turn) if !ended => {
                 ended = true;
-                end_turn(turn, frames, images, end);
+                end_turn(*turn, frames, images, end);
             }
             _ => {}
         })
@@ -213,7 +221,7 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         images: &mut [ImageViewMut<'i, L>; LAYERS],
         end: &mut impl FnMut(Turn, &[OpenFrame<S>; LAYERS], &[ImageViewMut<'i, L>; LAYERS]),
     ) {
-        let Self { assembler, frames } = self;
+        let Self { assembler, frames, .. } = self;
         assembler.finish(|event| {
             if let Event::TurnEnd(turn) = event {
                 end_turn(turn, frames, images, end);
@@ -222,8 +230,10 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
     }
 }
 
+#[inline]
 fn insert<S: GridSettings, L: Level, const LAYERS: usize>(
     column: &Column<'_>,
+    scale: &mut ReturnScale,
     frames: &mut [OpenFrame<S>; LAYERS],
     images: &mut [ImageViewMut<'_, L>; LAYERS],
 ) {
@@ -232,10 +242,12 @@ fn insert<S: GridSettings, L: Level, const LAYERS: usize>(
         if layer == 0 && frame.tally().points == 0 {
             frame.stamp_mut().timestamp_ns = column.time_ns;
         }
-        frame.insert_column(column, image);
+        frame.insert_column(column, scale, image);
     }
 }
 
+#[cold]
+#[inline(never)]
 fn end_turn<'i, S: GridSettings, L: Level, const LAYERS: usize>(
     turn: Turn,
     frames: &mut [OpenFrame<S>; LAYERS],

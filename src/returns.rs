@@ -5,6 +5,7 @@
 
 use core::num::{NonZeroU32, NonZeroU64};
 
+use crate::geometry::SensorGrid;
 use crate::image::Level;
 use crate::insert::{Collision, settle};
 use crate::packet::{Column, Return};
@@ -68,53 +69,91 @@ impl CountLevels {
     /// The level, 0 where the count is less than half a step, more than the largest where it has none.
     #[inline(always)]
     pub(crate) const fn level(self, count: u32) -> u32 {
-        let count = if count < self.count_max { count } else { self.count_max };
-        let twice = ((count << self.shift) as u64 * self.factor as u64) >> 32;
-        (twice as u32 + 1) >> 1
+        self.level_of_cell(if count < self.count_max { count } else { self.count_max })
+    }
+
+    /// The same for the counts of packets, which have at most [`CELL_BITS`], if [`CountLevels::is_for_cells`].
+    #[inline(always)]
+    const fn level_of_cell(self, count: u32) -> u32 {
+        (self.twice(count) + 1) >> 1
+    }
+
+    /// Twice the exact level, cut off.
+    #[inline(always)]
+    const fn twice(self, count: u32) -> u32 {
+        (((count << self.shift) as u64 * self.factor as u64) >> 32) as u32
+    }
+
+    /// Steps that are shorter than a 1024th of the range unit have no room for a whole count's bits: all that they could
+    /// hold is nearer than any sensor measures.
+    const fn is_for_cells(self) -> bool {
+        self.shift + CELL_BITS <= u32::BITS
     }
 }
+
+/// Bits of the longest range count in a packet: an Ouster's.
+const CELL_BITS: u32 = 20;
 
 /// Ticks to columns: the column whose center is nearest, of two the one behind. Exact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TickColumns {
     ticks: u32,
     columns: u16,
+    /// Twice the ticks, where all numbers stay below 2^32, as with every sensor in use: a Cortex-M divides these by an
+    /// instruction.
+    twice: Option<NonZeroU32>,
     last: (u32, u32),
 }
 
 impl TickColumns {
-    pub(crate) const fn new(ticks: u32, columns: u16) -> Self {
-        Self { ticks, columns, last: (0, 0) }
+    pub(crate) fn new(ticks: u32, columns: u16) -> Self {
+        let most = 2 * u64::from(ticks) * u64::from(columns) + u64::from(ticks);
+        let twice = NonZeroU32::new(ticks.wrapping_mul(2)).filter(|_| u32::try_from(most).is_ok());
+        Self { ticks, columns, twice, last: (0, 0) }
     }
 
     /// `None` where the sensor has no such tick. Sensors fire many beams at a tick: the last answer is kept.
     #[inline(always)]
     pub(crate) fn column(&mut self, tick: u32) -> Option<u32> {
         if tick != self.last.0 {
-            self.last = (tick, column(tick, self.ticks, self.columns)?);
+            self.last = (tick, self.divide(tick)?);
         }
         Some(self.last.1)
     }
+
+    /// (tick x columns / ticks), rounded, around the turn.
+    #[inline(always)]
+    fn divide(&self, tick: u32) -> Option<u32> {
+        if tick >= self.ticks {
+            return None;
+        }
+        let columns = u32::from(self.columns);
+        let column = match self.twice {
+            Some(twice) => (2 * tick * columns + self.ticks) / twice,
+            None => self.divide_long(tick)?,
+        };
+        Some(if column < columns { column } else { 0 })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn divide_long(&self, tick: u32) -> Option<u32> {
+        let ticks = u64::from(self.ticks);
+        Some(((2 * u64::from(tick) * u64::from(self.columns) + ticks) / NonZeroU64::new(2 * ticks)?) as u32)
+    }
 }
 
-/// (tick x columns / ticks), rounded, around the turn.
-fn column(tick: u32, ticks: u32, columns: u16) -> Option<u32> {
-    if tick >= ticks {
-        return None;
+/// What a frame's returns have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ReturnScale {
+    pub(crate) levels: CountLevels,
+    pub(crate) columns: TickColumns,
+}
+
+impl ReturnScale {
+    pub(crate) fn new(grid: &SensorGrid<'_>, quantizer: &Quantizer, columns: u16) -> Self {
+        Self { levels: CountLevels::new(grid.range_unit_m, quantizer), columns: TickColumns::new(grid.ticks, columns) }
     }
-    let columns = u32::from(columns);
-    if ticks == columns {
-        return Some(tick);
-    }
-    let column = match (ticks.checked_mul(2 * columns).and_then(|most| most.checked_add(ticks)), ticks.checked_mul(2)) {
-        // As every sensor in use has it: a division that a Cortex-M has an instruction for.
-        (Some(_), Some(twice)) => (2 * tick * columns + ticks) / NonZeroU32::new(twice)?,
-        _ => {
-            let twice = NonZeroU64::new(2 * u64::from(ticks))?;
-            ((2 * u64::from(tick) * u64::from(columns) + u64::from(ticks)) / twice) as u32
-        }
-    };
-    Some(if column < columns { column } else { 0 })
 }
 
 /// A range image and what it takes to put returns into it.
@@ -141,18 +180,20 @@ impl<L: Level> ReturnInserter<'_, L> {
     /// Puts the returns of one firing into an image's column; `None` counts them as out of view.
     #[inline(never)]
     pub(crate) fn insert_column(&mut self, cells: &Column<'_>, column: Option<u32>) {
-        let (scale, max_level, collision) = (self.scale, u32::from(self.max_level), self.collision);
-        let first = column.map_or(usize::MAX, |column| column as usize);
-        let (columns, levels) = (self.columns, &mut *self.levels);
+        let (scale, collision, columns) = (self.scale, self.collision, self.columns);
+        let half_levels = if scale.is_for_cells() { 2 * u32::from(self.max_level) } else { 0 };
+        // From the column on, so that a row's pixel is a product away.
+        let levels = column.and_then(|column| self.levels.get_mut(column as usize..)).unwrap_or(&mut []);
         let mut refused = Refused::default();
         cells.for_each_cell(|row, cell| {
-            let level = scale.level(cell.count);
-            if level.wrapping_sub(1) >= max_level {
-                refused.count(cell.count, level);
+            // As `level_of_cell`, but that one comparison finds levels of 0 and beyond the last before they are rounded.
+            let twice = scale.twice(cell.count);
+            if twice.wrapping_sub(1) >= half_levels {
+                refused.count(cell.count, twice);
                 return;
             }
-            let pixel = first.wrapping_add(usize::from(row).wrapping_mul(columns));
-            refused.put(levels.get_mut(pixel), L::new(level as u16), collision);
+            let pixel = levels.get_mut(usize::from(row).wrapping_mul(columns));
+            refused.put(pixel, L::new(((twice + 1) >> 1) as u16), collision);
         });
         self.count(cells.rows() as u32, refused);
     }
@@ -190,7 +231,7 @@ impl Refused {
             Some(pixel) if *pixel == L::NONE => *pixel = level,
             Some(pixel) => {
                 self.collided += 1;
-                *pixel = settle(collision, *pixel, level);
+                settle_in(pixel, collision, level);
             }
             None => self.out_of_view += 1,
         }
@@ -206,4 +247,10 @@ impl Refused {
             self.beyond_range += 1;
         }
     }
+}
+
+/// Out of the way of the loop: in images with a column for each firing few returns meet another.
+#[inline(never)]
+fn settle_in<L: Level>(pixel: &mut L, collision: Collision, level: L) {
+    *pixel = settle(collision, *pixel, level);
 }

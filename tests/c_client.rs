@@ -9,11 +9,18 @@
 mod data;
 #[allow(dead_code, reason = "a part is for firmware")]
 mod firmware;
+#[path = "c/grid.rs"]
+mod grid;
+#[path = "common/packet_writer.rs"]
+mod writer;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use flicr::capi::{FLICR_ENCODER_ALIGN, flicr_encoder_size, flicr_version, flicr_worst_case_len};
+use flicr::capi::{
+    FLICR_ENCODER_ALIGN, flicr_encoder_size, flicr_grid_encoder_size, flicr_grid_worst_case_len, flicr_version,
+    flicr_worst_case_len,
+};
 use flicr::{Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, ImageViewMut, Rle, Scale, Stamp};
 use libtest_mimic::{Arguments, Failed, Trial};
 
@@ -62,6 +69,7 @@ fn main() -> ExitCode {
         let skip = is_skipped(missing(client.target, &[client.compiler, client.runner.first().unwrap_or(&"cc")]));
         let name = |what: &str| format!("{}::{what}", client.name);
         trials.push(Trial::test(name("made_up_scan"), move || bytes_are_rusts(client, None)).with_ignored_flag(skip));
+        trials.push(Trial::test(name("packets"), move || grid::bytes_are_rusts(client)).with_ignored_flag(skip));
         let scan = data::FOLDER.as_ref().map(|folder| folder.join("kitti/drive/000000.bin"));
         let skip = skip || scan.is_none();
         trials.push(Trial::test(name("real_scan"), move || bytes_are_rusts(client, scan)).with_ignored_flag(skip));
@@ -116,13 +124,19 @@ impl Client {
     /// Runs the example on a scan, or the one that it makes up, and gives where its files are.
     fn run(&self, scan: Option<&Path>) -> Result<PathBuf, String> {
         let out_prefix = scratch(&format!("{}-{}", self.name, if scan.is_some() { "real" } else { "made-up" }));
+        self.run_example("encode", &out_prefix, scan)?;
+        Ok(out_prefix)
+    }
+
+    /// Runs an example.
+    fn run_example(&self, name: &str, out_prefix: &Path, input: Option<&Path>) -> Result<(), String> {
         let program = out_prefix.with_extension("elf");
         let flags = [self.flags, &["-std=c99"]].concat();
-        run(compile(self.compiler, &flags, "examples/c/encode.c", &program).arg(library(self.target)?))?;
+        run(compile(self.compiler, &flags, &format!("examples/c/{name}.c"), &program).arg(library(self.target)?))?;
         let words = self.runner.iter().map(AsRef::as_ref).chain([program.as_os_str(), out_prefix.as_os_str()]);
-        let words: Vec<_> = words.chain(scan.map(Path::as_os_str)).collect();
+        let words: Vec<_> = words.chain(input.map(Path::as_os_str)).collect();
         run(Command::new(words[0]).args(&words[1..]))?;
-        Ok(out_prefix)
+        Ok(())
     }
 }
 
@@ -169,10 +183,17 @@ fn macros_are_right(compiler: &str, standard: &str) -> Result<(), Failed> {
     let (sizes, last) = printed.trim_end().rsplit_once('\n').ok_or("one line")?;
     for line in sizes.lines() {
         let numbers: Vec<usize> = line.split(' ').map(str::parse).collect::<Result<_, _>>()?;
-        let [columns, rows, coder] = [numbers[0], numbers[1], numbers[2]].map(|number| number as u32);
-        let size = flicr_encoder_size(columns, rows, coder);
-        let expected = [size, flicr_worst_case_len(columns, rows, coder), size.div_ceil(8)];
-        if numbers[3..] != expected {
+        let (of, found) = numbers.split_at(numbers.len() - 3);
+        let of: Vec<u32> = of.iter().map(|&number| number as u32).collect();
+        let (size, worst_case_len) = match of[..] {
+            [level_bits, columns, beams, coder] => (
+                flicr_grid_encoder_size(columns, beams, level_bits, coder),
+                flicr_grid_worst_case_len(columns, beams, level_bits, coder),
+            ),
+            _ => (flicr_encoder_size(of[0], of[1], of[2]), flicr_worst_case_len(of[0], of[1], of[2])),
+        };
+        let expected = [size, worst_case_len, size.div_ceil(8)];
+        if found != expected {
             return Err(format!("{line}: expected {expected:?}").into());
         }
     }
@@ -190,8 +211,8 @@ fn language(standard: &str) -> &'static str {
 fn nothing_panics(target: &str, tools: &str) -> Result<(), Failed> {
     let listing = run(Command::new(format!("{tools}nm")).arg("-A").arg(library(target)?))?;
     let ours: Vec<&str> = listing.lines().filter(|line| line.contains("flicr-")).collect();
-    if !ours.iter().any(|line| line.ends_with(" T flicr_encode")) {
-        return Err("no flicr_encode in the library".into());
+    if !ours.iter().any(|line| line.ends_with(" T flicr_push_packet")) {
+        return Err("no flicr_push_packet in the library".into());
     }
     let panics: Vec<&str> = ours.into_iter().filter(|line| line.contains("panic")).collect();
     if panics.is_empty() { Ok(()) } else { Err(panics.join("\n").into()) }

@@ -1,19 +1,27 @@
 //! The same scan gives the same bytes on a microcontroller as on this machine.
 //!
 //! Firmware (`examples/cortex_m`, `examples/aarch64`) is built for each emulated board and encodes the simulated scan,
-//! and real ones where they are at hand, at all of the paper's sizes with every coder; each byte must equal the
-//! host's. What it prints of the simulated scan must be what stands in `qemu.out` beside its source; `make bless`
+//! and real ones where they are at hand, at all of the paper's sizes with every coder, and sensors' packets; each byte
+//! must equal the host's. What it prints of the simulated scan must be what stands in `qemu.out` beside its source; `make bless`
 //! writes that anew.
 //!
-//! Without an emulator the tests are skipped and counted as ignored; with `FLICR_REQUIRE_QEMU` they fail.
+//! Without an emulator the tests are skipped and counted as ignored; with `FLICR_REQUIRE_QEMU` they fail. So are those of
+//! real scans where there are none.
 
 #[path = "qemu/board.rs"]
 mod board;
+#[path = "common/captures.rs"]
+mod captures;
+mod common;
 mod firmware;
 #[path = "qemu/frames.rs"]
 mod frames;
+#[path = "qemu/packets.rs"]
+mod packets;
 #[path = "qemu/scan.rs"]
 mod scan;
+#[path = "common/packet_writer.rs"]
+mod writer;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,8 +30,8 @@ use std::sync::Arc;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use board::{BOARDS, Board};
-use frames::{FRAMES, Frame};
-use scan::Scan;
+use frames::Frame;
+use scan::{Kind, Scan};
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -32,18 +40,33 @@ fn main() -> ExitCode {
     let pairs = BOARDS.iter().flat_map(|board| scans.iter().map(move |scan| (board, Arc::clone(scan))));
     let trials = pairs.map(|(board, scan)| {
         let name = format!("{}::{}", board.name, scan.name);
-        Trial::test(name, move || bytes_equal_the_hosts(board, &scan)).with_ignored_flag(skip)
+        let ignored = skip || scan.is_missing();
+        Trial::test(name, move || bytes_equal_the_hosts(board, &scan)).with_ignored_flag(ignored)
     });
     libtest_mimic::run(&arguments, trials.collect()).exit_code()
 }
 
 fn bytes_equal_the_hosts(board: &'static Board, scan: &Scan) -> Result<(), Failed> {
     let out_prefix = out_prefix(board, scan);
-    let printed = board.run(&scan.path, &out_prefix, &FRAMES.each_ref().map(Frame::to_string))?;
-    for (frame, on_host) in FRAMES.iter().zip(scan.frames()?) {
+    let printed = board.run(scan.path()?, &out_prefix, scan.jobs().map(Frame::to_string))?;
+    for (frame, on_host) in scan.jobs().zip(scan.frames()?) {
         check_frame(frame, &out_prefix, on_host)?;
     }
-    if scan.is_simulated { board.check_printed(&printed) } else { Ok(()) }
+    match scan.kind {
+        Kind::Simulated => board.check_printed(&lines_of("frame ", &printed)),
+        Kind::Real(_) => Ok(()),
+        Kind::Packets(_) => packets::check_cost(board, &lines_of("cost ", &printed)),
+        // How many cells hold a return is the scene's doing.
+        Kind::Capture { .. } => {
+            println!("{}", lines_of("cost ", &printed));
+            Ok(())
+        }
+    }
+}
+
+/// The lines that start with `what`.
+fn lines_of(what: &str, printed: &str) -> String {
+    printed.lines().filter(|line| line.starts_with(what)).flat_map(|line| [line, "\n"]).collect()
 }
 
 fn check_frame(frame: &Frame, out_prefix: &Path, on_host: &[u8]) -> Result<(), Failed> {

@@ -39,6 +39,29 @@ impl<'a> Scan<'a> {
     }
 }
 
+/// Packets that are read one by one: each its length, two bytes, little endian, and its payload.
+pub struct Packets<'a> {
+    file: File,
+    packet: &'a mut [u8; PIECE_LEN],
+}
+
+impl<'a> Packets<'a> {
+    pub fn open(path: &str, packet: &'a mut [u8; PIECE_LEN]) -> Result<Self, Fault> {
+        Ok(Self { file: File::open(c_path(path)?)?, packet })
+    }
+
+    /// The next payload; `None` behind the last.
+    pub fn next_packet(&mut self) -> Result<Option<&[u8]>, Fault> {
+        let mut len = [0; 2];
+        if fill(&mut self.file, &mut len)? < len.len() {
+            return Ok(None);
+        }
+        let packet = self.packet.get_mut(..usize::from(u16::from_le_bytes(len))).ok_or(Fault::TornPacket)?;
+        let read = fill(&mut self.file, packet)?;
+        if read == packet.len() { Ok(Some(packet)) } else { Err(Fault::TornPacket) }
+    }
+}
+
 /// Reads until `buffer` is full or the file ends.
 fn fill(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
     let mut len = 0;
@@ -53,10 +76,19 @@ fn fill(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
 
 /// Writes a frame where the job wants it: `OUT_PREFIX-COLUMNS-CODER.flicr`.
 pub fn write_frame(job: &Job<'_>, frame: &[u8]) -> Result<(), Fault> {
+    Ok(fs::write(frame_path(job)?, frame)?)
+}
+
+/// The same file, for frames one behind the other.
+pub fn create_frames(job: &Job<'_>) -> Result<File, Fault> {
+    Ok(File::create(frame_path(job)?)?)
+}
+
+fn frame_path(job: &Job<'_>) -> Result<CString<PATH_LEN>, Usage> {
     let mut path = String::<PATH_LEN>::new();
     fmt::write(&mut path, format_args!("{}-{}-{}.flicr", job.out_prefix, job.columns, job.coder))
         .map_err(|_| Usage::PathTooLong)?;
-    Ok(fs::write(c_path(&path)?, frame)?)
+    c_path(&path)
 }
 
 fn c_path(path: &str) -> Result<CString<PATH_LEN>, Usage> {

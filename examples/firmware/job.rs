@@ -1,4 +1,5 @@
-//! The command line: `SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M...`, one frame for each of the last.
+//! The command line: `SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M...`, one frame for each of the last; where a sensor stands
+//! for the coder, the scan is packets, and one frame is made for every turn.
 
 use core::fmt;
 use core::str::FromStr;
@@ -28,7 +29,9 @@ impl fmt::Display for Usage {
             Self::NotText => f.write_str("an argument is not UTF-8"),
             Self::Columns => f.write_str("COLUMNS is no number"),
             Self::TooManyColumns => write!(f, "COLUMNS must be 1 to {}", super::COLUMNS_MAX),
-            Self::Coder => f.write_str("CODER must be store, rle, deflate, deflate-small, deflate-dense or lattice"),
+            Self::Coder => f.write_str(
+                "CODER must be store, rle, deflate, deflate-small, deflate-dense, lattice, vlp16, vlp32c or pandar40p",
+            ),
             Self::MaxRange => f.write_str("MAX_RANGE_M is no number"),
             Self::PathTooLong => f.write_str("a path is too long"),
         }
@@ -44,6 +47,10 @@ pub enum CoderName {
     DeflateDense,
     /// Run lengths on the sensor's own grid.
     Lattice,
+    /// Run lengths of packets.
+    Vlp16,
+    Vlp32c,
+    Pandar40p,
 }
 
 impl FromStr for CoderName {
@@ -57,6 +64,9 @@ impl FromStr for CoderName {
             "deflate-small" => Ok(Self::DeflateSmall),
             "deflate-dense" => Ok(Self::DeflateDense),
             "lattice" => Ok(Self::Lattice),
+            "vlp16" => Ok(Self::Vlp16),
+            "vlp32c" => Ok(Self::Vlp32c),
+            "pandar40p" => Ok(Self::Pandar40p),
             _ => Err(Usage::Coder),
         }
     }
@@ -71,6 +81,9 @@ impl fmt::Display for CoderName {
             Self::DeflateSmall => "deflate-small",
             Self::DeflateDense => "deflate-dense",
             Self::Lattice => "lattice",
+            Self::Vlp16 => "vlp16",
+            Self::Vlp32c => "vlp32c",
+            Self::Pandar40p => "pandar40p",
         })
     }
 }

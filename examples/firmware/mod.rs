@@ -6,12 +6,14 @@
 
 mod host;
 mod job;
+mod packets;
 mod stack;
 mod stage;
 
 use core::fmt;
 
 use flicr::geometry::{Lattice, sensors::hdl64e};
+use flicr::packet::PacketError;
 use flicr::{
     Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, EncodeError, Encoded, FrameEncoder, ImageViewMut,
     LatticeConfig, Rle, Scale, Settings, Stamp, Store, frame,
@@ -91,6 +93,8 @@ enum Fault {
     Usage(Usage),
     Host(semihosting::io::Error),
     TornPoint,
+    TornPacket,
+    Refused(PacketError),
     Encode(EncodeError),
 }
 
@@ -100,6 +104,8 @@ impl fmt::Display for Fault {
             Self::Usage(usage) => write!(f, "{usage}; arguments: SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M..."),
             Self::Host(error) => write!(f, "the host's files: {error:?}"),
             Self::TornPoint => f.write_str("the scan ends inside a point of 16 bytes"),
+            Self::TornPacket => f.write_str("the file ends inside a packet"),
+            Self::Refused(error) => write!(f, "{error}"),
             Self::Encode(error) => write!(f, "{error}"),
         }
     }
@@ -139,6 +145,10 @@ fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault>
     let arguments = job::arguments()?;
     for job in arguments.jobs()? {
         let job = job?;
+        if let Some(sensor) = packets::sensor_of(job.coder) {
+            packets::encode_turns(board, &job, sensor, levels, rle, piece, frame)?;
+            continue;
+        }
         let levels = levels.get_mut(..ROWS * job.columns).ok_or(Usage::TooManyColumns)?;
         let image = ImageViewMut::new(levels, job.columns).ok_or(Usage::TooManyColumns)?;
         let scan = Scan::open(job.scan, piece)?;
@@ -152,6 +162,8 @@ fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault>
             CoderName::DeflateSmall => encode_one(board, &job, &uniform, scan, image, deflate_small, frame)?,
             CoderName::DeflateDense => encode_one(board, &job, &uniform, scan, image, deflate_dense, frame)?,
             CoderName::Lattice => encode_one(board, &job, &on_grid, scan, image, rle, frame)?,
+            // Packets: above.
+            CoderName::Vlp16 | CoderName::Vlp32c | CoderName::Pandar40p => {}
         }
     }
     Ok(())

@@ -57,6 +57,12 @@ impl Stage {
         result
     }
 
+    /// Counts another's cost in.
+    pub fn add(&mut self, other: &Self) {
+        self.ticks += other.ticks;
+        self.stack_bytes = self.stack_bytes.max(other.stack_bytes);
+    }
+
     /// In the clock's unit.
     pub fn cost(&self, clock: impl Clock) -> u64 {
         self.ticks * u64::from(clock.per_tick())

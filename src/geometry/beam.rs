@@ -19,6 +19,7 @@ use crate::error::ConfigError;
 /// z = d sin v + vo cos v
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
 pub struct Beam {
     /// Tangent of the elevation.
     pub slope: f32,
@@ -113,6 +114,10 @@ impl SensorGrid<'_> {
 }
 
 impl Beam {
+    /// To be written over.
+    pub(crate) const ZERO: Self =
+        Self { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 };
+
     /// Whether no number is one that no sensor has: steeper than 89 degrees, or a quarter of a meter beside the axis.
     const fn is_usable(&self) -> bool {
         self.slope.abs() <= 57.0

@@ -105,18 +105,17 @@ impl<'p> SpinPacket<'p> {
         self.layout.model.facts().period_ns
     }
 
-    /// The cells of firing `firing`, second half of a block included.
-    pub fn cells(&self, firing: usize, pick: Pick) -> Cells<'p> {
+    /// The cells of the `nth` firing of a group.
+    #[inline(always)]
+    pub fn cells(&self, group: usize, nth: usize) -> Cells<'p> {
         let layout = self.layout;
         let repeats = if self.dual { 2 } else { 1 };
-        let per_block = layout.firings_per_block.max(1);
-        let group = firing / per_block;
         let block = group * layout.blocks_per_firing * repeats;
-        let half = firing % per_block * layout.run_len * layout.cell_len;
+        let before = nth * layout.run_len * layout.cell_len;
         Cells {
-            bytes: bytes::tail(self.blocks, block * layout.block_len + layout.cells_at + half),
+            bytes: bytes::tail(self.blocks, block * layout.block_len + layout.cells_at + before),
             format: layout.cell,
-            pick,
+            pick: Pick::Only,
             to_second: layout.block_len,
             to_next_run: layout.block_len * repeats,
             run_len: layout.run_len,

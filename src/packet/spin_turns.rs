@@ -5,7 +5,7 @@
 //! that does not follow is refused but remembered, and if the next packet follows *it*, the stream
 //! goes on from there. So a damaged azimuth costs its own packet and a restarted sensor the first.
 
-use super::column::Pick;
+use super::column::{Cells, Pick};
 use super::event::OpenTurn;
 use super::model::TICKS_PER_TURN;
 use super::spin::{SpinPacket, Sweep, forward, signed};
@@ -32,6 +32,14 @@ struct Mark {
     firings: u32,
     /// Ticks a firing, times 256.
     step_q8: u32,
+}
+
+/// Where and when a firing is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    tick: u16,
+    step_q8: u32,
+    time_ns: u64,
 }
 
 /// A range of azimuth that the sensor is told to leave out.
@@ -261,6 +269,17 @@ impl SpinTurns {
         Ok(())
     }
 
+    /// Turns to the next column, which mostly is of the same turn.
+    #[inline(always)]
+    fn step(&mut self, ticks: i32, stats: &mut PacketStats, sink: &mut impl FnMut(Event<'_>)) {
+        let position = self.position + ticks;
+        if position < TURN {
+            self.position = position;
+        } else {
+            self.skip(ticks.into(), 0, GapCause::Lost, stats, sink);
+        }
+    }
+
     /// Turns by `ticks` to the next column; `missing` columns lie between.
     fn skip(
         &mut self,
@@ -312,18 +331,10 @@ impl SpinTurns {
             }
             for nth in 0..per_block {
                 let tick = nth_tick(azimuth, nth, mark.step_q8);
-                self.skip(i64::from(signed(at, tick)), 0, GapCause::Lost, stats, sink);
+                self.step(signed(at, tick), stats, sink);
                 at = tick;
-                let firing = group * per_block + nth;
-                let column = Column {
-                    index: 0,
-                    tick,
-                    step_q8: mark.step_q8,
-                    layer: 0,
-                    time_ns,
-                    cells: packet.cells(firing, Pick::Only),
-                };
-                self.give(column, picks, stats, sink);
+                let place = Place { tick, step_q8: mark.step_q8, time_ns };
+                self.give(place, packet.cells(group, nth), picks, stats, sink);
                 time_ns += u64::from(packet.period_ns());
             }
         }
@@ -332,15 +343,22 @@ impl SpinTurns {
     }
 
     /// Gives out one column, once for each layer.
-    fn give(&mut self, column: Column<'_>, picks: &[Pick], stats: &mut PacketStats, sink: &mut impl FnMut(Event<'_>)) {
+    #[inline(always)]
+    fn give(
+        &mut self,
+        Place { tick, step_q8, time_ns }: Place,
+        cells: Cells<'_>,
+        picks: &[Pick],
+        stats: &mut PacketStats,
+        sink: &mut impl FnMut(Event<'_>),
+    ) {
         if self.turn.next() >= MAX_COLUMNS {
             self.turn.end(TurnCut::Overflow, stats, sink);
         }
-        let mut column = Column { index: self.turn.next(), ..column };
+        let index = self.turn.next();
         for (&pick, layer) in picks.iter().zip(0..) {
-            column.layer = layer;
-            column.cells.pick = pick;
-            sink(Event::Column(column));
+            // Made where it is given: a copy of a column costs as much as two of its returns.
+            sink(Event::Column(Column { index, tick, step_q8, layer, time_ns, cells: Cells { pick, ..cells } }));
         }
         self.turn.count_column(stats);
     }

@@ -13,6 +13,14 @@ static void print_sizes(unsigned columns, unsigned rows, flicr_coder coder) {
          (unsigned long)FLICR_ENCODER_WORDS(columns, rows, coder));
 }
 
+/* Before the sizes on a grid: level bits. */
+static void print_grid_sizes(unsigned columns, unsigned beams, unsigned level_bits, flicr_coder coder) {
+  printf("%u %u %u %u %lu %lu %lu\n", level_bits, columns, beams, (unsigned)coder,
+         (unsigned long)FLICR_GRID_ENCODER_SIZE(columns, beams, level_bits, coder),
+         (unsigned long)FLICR_GRID_WORST_CASE_LEN(columns, beams, level_bits, coder),
+         (unsigned long)FLICR_GRID_ENCODER_WORDS(columns, beams, level_bits, coder));
+}
+
 int main(void) {
   static const unsigned COLUMNS[] = {4500, 4096, 2048, 1024, 512, 256, 1, 3, 127, 129, 65535};
   static const flicr_coder CODERS[] = {FLICR_CODER_STORE, FLICR_CODER_RLE, FLICR_CODER_DEFLATE,
@@ -21,6 +29,7 @@ int main(void) {
     for (unsigned j = 0; j < sizeof CODERS / sizeof CODERS[0]; j++) {
       print_sizes(COLUMNS[i], 64, CODERS[j]);
       print_sizes(COLUMNS[i], 1, CODERS[j]);
+      for (unsigned bits = 1; bits <= 16; bits++) print_grid_sizes(COLUMNS[i], 16 + bits * 7, bits, CODERS[j]);
     }
   printf("version %lu align %d memory %lu frame %lu\n", (unsigned long)FLICR_VERSION, FLICR_ENCODER_ALIGN,
          (unsigned long)sizeof memory, (unsigned long)sizeof frame);

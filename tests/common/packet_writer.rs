@@ -1,5 +1,6 @@
 //! Writes packets of every model: the formats a second time, from the manuals' byte tables, sharing
 //! nothing with the reader.
+#![allow(dead_code, reason = "each test uses a part")]
 
 use flicr::packet::{Model, OusterFormat, OusterProfile};
 

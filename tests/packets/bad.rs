@@ -3,7 +3,7 @@
 use crate::bench::{AFTER, BEFORE, BOTH, Bench};
 use crate::models::MODELS;
 use crate::writer::{self, Plan};
-use flicr::packet::{Event, Model, OusterFormat, OusterProfile, PacketError, ReturnPolicy, Sensor, TurnAssembler};
+use flicr::packet::{Event, Model, OusterFormat, OusterProfile, PacketError, Sensor, TurnAssembler};
 use proptest::prelude::*;
 
 fn ouster_format(profile: OusterProfile) -> OusterFormat {

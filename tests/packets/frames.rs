@@ -61,7 +61,7 @@ fn cut<const LAYERS: usize>(turn: &EncodedTurn<LAYERS>, out: &[u8]) -> [Vec<u8>;
 }
 
 /// The levels of a frame, and its number and time.
-fn decode(bytes: &[u8], grid: &SensorGrid<'_>) -> (Vec<u16>, u32, u64) {
+fn decode(bytes: &[u8]) -> (Vec<u16>, u32, u64) {
     let mut decoder = Decoder::new(Limits::default());
 
     let frame = decoder.decode(bytes).expect("a frame");
@@ -104,8 +104,8 @@ fn check<const LAYERS: usize>(config: &GridConfig<'_>, sensor: Sensor, policy: R
     assert_eq!(frames.turns.iter().map(|(turn, _)| turn.turn).collect::<Vec<_>>(), stream.turns);
     for ((turn, bytes), number) in frames.turns.iter().zip(0..) {
         let returns: Vec<Placed> = stream.returns.iter().filter(|ours| ours.turn == number).copied().collect();
-        for layer in 0..LAYERS {
-            let (levels, sequence, time_ns) = decode(&bytes[layer], &config.grid);
+        for (layer, bytes) in bytes.iter().enumerate() {
+            let (levels, sequence, time_ns) = decode(bytes);
             let (expected, kept, collided) = image(config, &returns, layer as u8);
             assert!(levels == expected, "{sensor:?} {policy:?}: layer {layer} of turn {number}");
             let tally = turn.frames[layer].tally;
@@ -181,7 +181,7 @@ fn a_bad_packet_changes_no_other_pixels() {
     let turns = || TurnAssembler::new(Sensor::Auto, ReturnPolicy::Strongest);
     let pixels = |packets: &[Vec<u8>]| -> Vec<Vec<u16>> {
         let frames = encode::<1>(&config, turns(), packets);
-        frames.turns.iter().map(|(_, [bytes])| decode(bytes, &config.grid).0).collect()
+        frames.turns.iter().map(|(_, [bytes])| decode(bytes).0).collect()
     };
     let whole = pixels(&packets);
     for (nth, damage) in [(40, 0), (100, 3), (170, 1205), (171, 710), (290, 1204)] {
@@ -260,7 +260,7 @@ proptest! {
         let frames = encode::<2>(&config, turns, &packets);
         for (turn, bytes) in &frames.turns {
             for (bytes, encoded) in bytes.iter().zip(&turn.frames) {
-                let (levels, ..) = decode(bytes, &config.grid);
+                let (levels, ..) = decode(bytes);
                 let occupied = levels.iter().filter(|&&level| level != 0).count();
                 prop_assert_eq!(occupied as u32, encoded.tally.kept());
             }

@@ -33,12 +33,21 @@ impl Board {
         self.firmware.missing(self.emulator)
     }
 
-    /// Runs the firmware and gives the lines about frames that it printed.
-    pub fn run(&'static self, scan: &Path, out_prefix: &Path, frames: &[String]) -> Result<String, Failed> {
+    /// Whether its instructions are Thumb-2.
+    pub fn is_thumb(&self) -> bool {
+        self.firmware.target.starts_with("thumb")
+    }
+
+    /// Runs the firmware and gives what it printed.
+    pub fn run(
+        &'static self,
+        scan: &Path,
+        out_prefix: &Path,
+        frames: impl Iterator<Item = String>,
+    ) -> Result<String, Failed> {
         let firmware = self.built.get_or_init(|| self.firmware.build()).as_ref()?;
         let mut emulator = tool("emulate.sh");
-        let printed = run(emulator.arg(self.name).arg(firmware).arg(scan).arg(out_prefix).args(frames))?;
-        Ok(printed.lines().filter(|line| line.starts_with("frame ")).flat_map(|line| [line, "\n"]).collect())
+        Ok(run(emulator.arg(self.name).arg(firmware).arg(scan).arg(out_prefix).args(frames))?)
     }
 
     /// Compares with the file beside the firmware's source, or writes it where `FLICR_BLESS` is set.

@@ -1,63 +1,126 @@
-//! Scans to encode: the simulated one, and some real ones where they are at hand.
+//! Scans to encode: simulated ones, and some real ones where they are at hand.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
+use flicr::packet::Model;
 use flicr::simulate::Simulator;
 use libtest_mimic::Failed;
 
-use crate::frames::FRAMES;
+use crate::captures::payloads;
+use crate::common::data;
+use crate::frames::{FRAMES, Frame};
+use crate::packets;
+use crate::writer::Plan;
 
-/// Real scans under `FLICR_DATA`: one of a drive and two of the paper's, the second with fewer beams.
+/// Where a scan comes from.
+#[derive(Clone, Copy)]
+pub enum Kind {
+    /// Points of a simulated street.
+    Simulated,
+    /// Points of a file of the shared data.
+    Real(&'static str),
+    /// Made-up packets.
+    Packets(Plan),
+    /// The packets of a capture of the shared data.
+    Capture { file: &'static str, model: Model },
+}
+
+/// One of a drive and two of the paper's, the second with fewer beams.
 const REAL: [&str; 3] = ["kitti/drive/000000.bin", "kitti/paper/1.bin", "kitti/paper/4.bin"];
+const CAPTURES: [(&str, Model); 3] = [
+    ("velodyne/vlp16_dual.pcap", Model::Vlp16),
+    ("velodyne/vlp32c_single.pcap", Model::Vlp32c),
+    ("hesai/pandar40p_dual.pcap", Model::Pandar40p),
+];
 
-/// Points of 16 bytes in a file, and what the host makes of them.
+/// What is encoded, and what the host makes of it.
 pub struct Scan {
     pub name: String,
-    pub path: PathBuf,
-    pub is_simulated: bool,
+    pub kind: Kind,
+    path: OnceLock<Result<PathBuf, String>>,
     frames: OnceLock<Result<Vec<Vec<u8>>, String>>,
 }
 
-/// All scans there are.
+/// All scans; those that are not at hand are `is_missing`.
 pub fn all() -> Vec<Arc<Scan>> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let data = std::env::var_os("FLICR_DATA").map_or_else(beside, PathBuf::from);
-    let mut scans = vec![Scan::new("simulated", simulated(), true)];
-    scans
-        .extend(REAL.map(|name| Scan::new(name, data.join(name), false)).into_iter().filter(|scan| scan.path.exists()));
-    if scans.len() == 1 {
-        println!("skipped: no real scans in {}", data.display());
+    let mut scans = vec![Scan::new("simulated", Kind::Simulated)];
+    let plans = [Plan::new(Model::Vlp16, false), Plan::new(Model::Vlp32c, true), Plan::new(Model::Pandar40p, false)];
+    scans.extend(plans.map(|plan| {
+        let dual = if plan.dual { "dual" } else { "single" };
+        Scan::new(&format!("packets/{:?}-{dual}", plan.model), Kind::Packets(plan))
+    }));
+    scans.extend(REAL.map(|name| Scan::new(name, Kind::Real(name))));
+    scans.extend(CAPTURES.map(|(file, model)| Scan::new(file, Kind::Capture { file, model })));
+    if scans.iter().any(Scan::is_missing) {
+        println!("skipped: no real scans beside the crate or at FLICR_DATA");
     }
     scans.into_iter().map(Arc::new).collect()
 }
 
 impl Scan {
-    fn new(name: &str, path: PathBuf, is_simulated: bool) -> Self {
-        Self { name: name.into(), path, is_simulated, frames: OnceLock::new() }
+    fn new(name: &str, kind: Kind) -> Self {
+        Self { name: name.into(), kind, path: OnceLock::new(), frames: OnceLock::new() }
     }
 
-    /// The host's bytes of all [`FRAMES`], encoded when first asked for.
-    pub fn frames(&self) -> Result<&[Vec<u8>], Failed> {
-        let encode_all = |points: Vec<_>| FRAMES.iter().map(|frame| frame.encode(&points)).collect();
-        Ok(self.frames.get_or_init(|| self.points().map(encode_all)).as_ref()?)
-    }
-
-    fn points(&self) -> Result<Vec<[f32; 4]>, String> {
-        let bytes = std::fs::read(&self.path).map_err(|error| format!("{}: {error}", self.path.display()))?;
-        let (points, rest) = bytes.as_chunks::<16>();
-        if !rest.is_empty() {
-            return Err(format!("{} is no whole number of points", self.path.display()));
+    /// Whether its file is not at hand.
+    pub fn is_missing(&self) -> bool {
+        match self.kind {
+            Kind::Simulated | Kind::Packets(_) => false,
+            Kind::Real(file) | Kind::Capture { file, .. } => data::FOLDER.is_none() || !data::path(file).exists(),
         }
-        let float = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-        Ok(points.iter().map(|point| [0, 4, 8, 12].map(|at| float(&point[at..]))).collect())
+    }
+
+    /// What the firmware is told to make of it.
+    pub fn jobs(&self) -> std::slice::Iter<'static, Frame> {
+        match self.kind {
+            Kind::Simulated | Kind::Real(_) => FRAMES.iter(),
+            Kind::Packets(Plan { model, .. }) | Kind::Capture { model, .. } => packets::jobs(model).iter(),
+        }
+    }
+
+    /// The file that the firmware reads, written when first asked for.
+    pub fn path(&self) -> Result<&Path, Failed> {
+        let path = self.path.get_or_init(|| match self.kind {
+            Kind::Real(file) => Ok(data::path(file)),
+            Kind::Simulated => {
+                let turn = Simulator::hdl64e(1).next().expect("the drive has no end");
+                write("simulated.bin", &turn.kitti_bytes())
+            }
+            _ => write(&format!("{}.packets", self.name.replace('/', "-")), &packets::file_of(&self.packets())),
+        });
+        Ok(path.as_ref()?)
+    }
+
+    /// The host's bytes of all [`jobs`](Self::jobs), encoded when first asked for.
+    pub fn frames(&self) -> Result<&[Vec<u8>], Failed> {
+        let frames = self.frames.get_or_init(|| match self.kind {
+            Kind::Simulated | Kind::Real(_) => {
+                let path = self.path().map_err(|error| format!("{:?}", error.message()))?;
+                let points = data::read_points(path);
+                Ok(self.jobs().map(|frame| frame.encode(&points)).collect())
+            }
+            Kind::Packets(Plan { model, .. }) | Kind::Capture { model, .. } => {
+                let packets = self.packets();
+                Ok(self.jobs().map(|frame| packets::encode(frame, model, &packets)).collect())
+            }
+        });
+        Ok(frames.as_ref()?)
+    }
+
+    fn packets(&self) -> Vec<Vec<u8>> {
+        match self.kind {
+            // Two turns and a half, from the middle of one.
+            Kind::Packets(plan) => Plan { start_tick: 18_000, ..plan }.packets(4500 / plan.firings_a_packet()),
+            Kind::Capture { file, .. } => payloads(file, 2368),
+            Kind::Simulated | Kind::Real(_) => Vec::new(),
+        }
     }
 }
 
-/// Writes the simulated scan and gives its path.
-fn simulated() -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("qemu-simulated.bin");
-    let turn = Simulator::hdl64e(1).next().expect("the drive has no end");
-    std::fs::write(&path, turn.kitti_bytes()).expect("the target folder can be written to");
-    path
+/// Writes a file for the firmware to read; gives its path.
+fn write(name: &str, bytes: &[u8]) -> Result<PathBuf, String> {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("qemu-{name}"));
+    std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
+    Ok(path)
 }

@@ -80,8 +80,7 @@ impl SensorGeometry {
         if N != self.beams.len() {
             return None;
         }
-        let mut beams =
-            [Beam { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 }; N];
+        let mut beams = [Beam::ZERO; N];
         let _ = self.fill_beams_at(turns_per_minute, &mut beams);
         Some(beams)
     }
@@ -130,8 +129,7 @@ impl Spin {
 
 /// Row-order beams of a model whose lasers all leave the axis at one point.
 const fn beams<const N: usize>(facts: &ModelFacts) -> [Beam; N] {
-    let mut beams =
-        [Beam { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 }; N];
+    let mut beams = [Beam::ZERO; N];
     let mut channel = 0;
     while channel < N {
         let beam = &mut beams[facts.beam_of_channel[channel] as usize];

@@ -29,11 +29,13 @@ fn decoded(grid: SensorGrid<'_>, columns: u16, sensor: Sensor, packets: &[Vec<u8
         decoded.push(points);
     };
     for packet in packets {
-        let ended = encoder.push(packet, &mut out).expect("good packets");
-        ended.into_iter().for_each(|turn| take(turn, &out));
+        if let Some(turn) = encoder.push(packet, &mut out).expect("good packets") {
+            take(turn, &out);
+        }
     }
-    let ended = encoder.finish(&mut out).expect("fits");
-    ended.into_iter().for_each(|turn| take(turn, &out));
+    if let Some(turn) = encoder.finish(&mut out).expect("fits") {
+        take(turn, &out);
+    }
     let (kept, lost) = tallies.iter().fold((0, 0), |(kept, lost), tally| (kept + tally.kept(), lost + tally.lost()));
     println!("{}: {} turns, {kept} returns kept, {lost} lost", grid.name, decoded.len());
     assert_eq!(lost, 0, "every return has a pixel of its own");

@@ -5,6 +5,7 @@
 pub mod bad;
 #[path = "../../common/packet_bench.rs"]
 pub mod bench;
+#[path = "../../common/captures.rs"]
 pub mod captures;
 pub mod frames;
 pub mod hesai;

@@ -1,4 +1,5 @@
 //! The shared captures and what other decoders made of them.
+#![allow(dead_code, reason = "each test uses a part")]
 
 use etherparse::{SlicedPacket, TransportSlice};
 use pcap_parser::{LegacyPcapReader, PcapBlockOwned, PcapError, traits::PcapReaderIterator};
