@@ -66,6 +66,7 @@ struct Writer<'a> {
     range: u32,
 }
 
+#[cfg(feature = "std")]
 struct Reader<'a> {
     bytes: &'a [u8],
     /// Bytes asked for; those behind the end are 0.
@@ -96,6 +97,7 @@ impl Bits for Writer<'_> {
     }
 }
 
+#[cfg(feature = "std")]
 impl Bits for Reader<'_> {
     fn bit(&mut self, one: u16, _: bool) -> Result<bool, Fault> {
         let ones = ones(self.range, one);
@@ -148,8 +150,8 @@ impl Writer<'_> {
     }
 }
 
+#[cfg(feature = "std")]
 impl<'a> Reader<'a> {
-    #[cfg(feature = "std")]
     fn new(bytes: &'a [u8]) -> Self {
         let mut reader = Self { bytes, taken: 0, code: 0, range: u32::MAX };
         (0..4).for_each(|_| reader.take_byte());
