@@ -59,8 +59,8 @@ fn points(grid: &SensorGrid<'_>, returns: &[GridReturn]) -> Vec<[f32; 3]> {
 #[test]
 fn pixels_are_those_of_the_points() {
     let grid = hdl64e::GRID;
-    // On 3000 columns, ticks lie a sixth of a column off the midway at least.
-    for columns in [4000, 3000] {
+    // On 3200 columns, ticks lie a tenth of a column off the midway at least.
+    for columns in [4000, 3200] {
         let lattice = Lattice::<66>::new(grid, columns).unwrap();
         for (level_bits, step_m, per_level) in [(16, 0.002, 1), (16, 0.02, 10), (12, 0.05, 25)] {
             let returns = returns(&grid, per_level);
