@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-host test-aarch64 lint bench size no-panic bless
+.PHONY: help setup demo test test-host test-aarch64 lint bench size package no-panic bless
 
 # All that runs on a desk. defmt is not among them: its symbols exist only in firmware that has a logger.
 FEATURES := std,cli,capi
@@ -20,16 +20,16 @@ setup: ## install what is missing: Rust targets, emulators, cross linkers
 demo: setup ## a scan through emulated firmware and back, with a table and a picture (FLICR_SCAN=path/to/kitti.bin)
 	@tools/demo.sh
 
-test: setup lint ## all checks: lint, tests on this machine and on emulated boards, sizes (see test-aarch64 too)
-	@$(MAKE) --no-print-directory test-host size
+test: setup lint ## all checks: lint, tests on this machine, on emulated boards and AArch64 Linux, sizes
+	@$(MAKE) --no-print-directory test-host test-aarch64 size
 
 test-host: ## tests on this machine and on emulated boards
 	@tools/step.sh "build of the tests" cargo test --quiet --no-run --features $(FEATURES)
 	@FLICR_REQUIRE_QEMU=1 tools/step.sh "tests on this machine and on emulated boards" \
 		cargo test --quiet --features $(FEATURES)
 
-# The tests that an emulator of AArch64 Linux runs: all of the library's and the C ABI's. Those that only start other
-# programs would run these natively, and scans in full take it half an hour, so that shared data is kept from it.
+# The tests that an emulator of AArch64 Linux runs: the library's and the C ABI's. Those that only start other programs
+# would run these natively; calibration and shared scans would take it half an hour, so that they are kept from it.
 EMULATED := --lib --test round_trip --test corrupt --test geometry --test lattice --test deflate --test docs_agree \
 	--test metrics --test files --test simulate --test sensor_file --test capi
 
@@ -47,6 +47,10 @@ bench: ## timings, each paired with a baseline in the same run
 
 size: ## flash, RAM and stack of the encoder on a Cortex-M
 	@tools/step.sh "size of the encoder on a Cortex-M" tools/size.sh
+
+package: ## the crate as it would be published, built from its package, and the program installed under target/
+	@tools/step.sh "package" cargo package --quiet --allow-dirty
+	@tools/step.sh "install" cargo install --path . --features cli --quiet --root "$${CARGO_TARGET_DIR:-target}/installed"
 
 no-panic: ## list what of Rust's panic machinery is in the encoder's firmware
 	@tools/no_panic.sh

@@ -1,6 +1,6 @@
 //! The mirror image of the encoder: frame -> payload -> range image -> points.
 
-use std::vec;
+use core::array;
 use std::vec::Vec;
 
 use crate::coder::{self, CoderId};
@@ -217,7 +217,6 @@ impl<'a> Frame<'a> {
 
     /// As [`points`](Self::points), into a vector whose memory is used again.
     pub fn points_into(&self, points: &mut Vec<[f32; 3]>) {
-        points.clear();
         match self.levels {
             Levels::U8(levels) => self.push_points(levels, points),
             Levels::U16(levels) => self.push_points(levels, points),
@@ -227,90 +226,83 @@ impl<'a> Frame<'a> {
     fn push_points<L: Level>(&self, levels: &[L], points: &mut Vec<[f32; 3]>) {
         let quantizer = self.header.quantizer;
         match self.header.geometry {
-            Geometry::Uniform(_) => self.push_rows(levels, points, |row| {
-                let directions = self.places.sphere.row(row);
-                move |column, level| directions.at(column, quantizer.range_m(level))
-            }),
-            Geometry::Beams(_) => self.push_rows(levels, points, |row| {
-                let row = self.places.turn.row(row);
-                move |column, level| row.at(column, level)
-            }),
+            Geometry::Uniform(_) => {
+                let sphere = &self.places.sphere;
+                self.put_rows(levels, points, sphere.columns(), |row| {
+                    let row = sphere.row(row);
+                    move |column, level| row.at(column, quantizer.range_m(level))
+                });
+            }
+            Geometry::Beams(_) => {
+                let turn = &self.places.turn;
+                self.put_rows(levels, points, turn.columns(), |row| {
+                    let row = turn.row(row);
+                    move |column, level| row.at(column, level)
+                });
+            }
         }
     }
 
-    /// Appends the returns of all rows; `of_row` gives what makes a row's column and level a point.
-    fn push_rows<L: Level, P: Fn(u16, u16) -> [f32; 3]>(
+    /// The returns of all rows in place of what `points` held; `of_row` gives what makes a row's column and level a
+    /// point.
+    fn put_rows<L: Level, C, P: Fn(&C, u16) -> [f32; 4]>(
         &self,
         levels: &[L],
         points: &mut Vec<[f32; 3]>,
+        columns: &[C],
         of_row: impl Fn(usize) -> P,
     ) {
-        let Some(image) = ImageView::new(levels, self.header.columns.into()) else { return };
-        points.reserve(image.occupied());
-        let mut returns = RowReturns::new(image.columns());
+        let Some(image) = ImageView::new(levels, self.header.columns.into()) else { return points.clear() };
+        let occupied = image.occupied();
+        // Not emptied before: what is there need not be zeroed again.
+        points.resize(occupied + ROOM, [0.0; 3]);
+        let mut room = points.as_flattened_mut();
         for (row, levels) in levels.chunks_exact(image.columns()).enumerate() {
-            let point = of_row(row);
-            points.extend(returns.gather(levels).iter().map(|&(column, level)| point(column, level)));
+            let count = put_row(levels, columns, room, of_row(row));
+            room = room.get_mut(count * 3..).unwrap_or_default();
         }
+        points.truncate(occupied);
     }
 }
 
-/// The returns of a row: column and level, one after the other.
-struct RowReturns {
-    found: Vec<(u16, u16)>,
+/// Pixels that are reconstructed together, if one of them holds a return.
+const CHUNK: usize = 8;
+/// Points that there must be room for behind those of an image.
+const ROOM: usize = CHUNK + 1;
+
+/// Writes a row's returns to the front of `room` and gives how many. Up to [`ROOM`] points behind them are written over.
+///
+/// There is no branch a pixel, which would be guessed wrong as often as returns come and go: every pixel's point is
+/// computed and written, and the place moves on only behind a return. A fourth coordinate makes it one vector.
+fn put_row<L: Level, C>(levels: &[L], columns: &[C], room: &mut [f32], point: impl Fn(&C, u16) -> [f32; 4]) -> usize {
+    let (chunks, last_levels) = levels.as_chunks::<CHUNK>();
+    let (column_chunks, last_columns) = columns.as_chunks::<CHUNK>();
+    let mut count = 0;
+    for (levels, columns) in chunks.iter().zip(column_chunks) {
+        if *levels != [L::NONE; CHUNK] {
+            count += put_chunk(levels, columns, room.get_mut(count * 3..).unwrap_or_default(), &point);
+        }
+    }
+    for (level, column) in last_levels.iter().zip(last_columns) {
+        count += put_chunk(&[*level], array::from_ref(column), room.get_mut(count * 3..).unwrap_or_default(), &point);
+    }
+    count
 }
 
-/// Pixels that are gathered together; that many entries are written, however few of them are returns.
-const GATHERED: usize = 8;
-
-/// For each set of occupied pixels among eight (bit n = pixel n), their offsets in order.
-static OFFSETS: [[u8; GATHERED]; 256] = {
-    let mut offsets = [[0; GATHERED]; 256];
-    let mut set = 0;
-    while set < 256 {
-        let (mut taken, mut pixel) = (0, 0);
-        while pixel < GATHERED {
-            if set >> pixel & 1 == 1 {
-                offsets[set][taken] = pixel as u8;
-                taken += 1;
-            }
-            pixel += 1;
-        }
-        set += 1;
+#[inline(always)]
+fn put_chunk<L: Level, C, const N: usize>(
+    levels: &[L; N],
+    columns: &[C; N],
+    room: &mut [f32],
+    point: impl Fn(&C, u16) -> [f32; 4],
+) -> usize {
+    let Some(places) = room.first_chunk_mut::<{ 3 * CHUNK + 1 }>() else { return 0 };
+    let mut at = 0;
+    for (&level, column) in levels.iter().zip(columns) {
+        // As it was: said where the compiler, too, can see it, and needs no check.
+        let place = at.min(3 * (CHUNK - 1));
+        places[place..place + 4].copy_from_slice(&point(column, level.get()));
+        at += if level == L::NONE { 0 } else { 3 };
     }
-    offsets
-};
-
-impl RowReturns {
-    fn new(columns: usize) -> Self {
-        Self { found: vec![(0, 0); columns + GATHERED] }
-    }
-
-    /// Picks the returns out of a row without a branch a pixel: every pixel is written, the place moves on only
-    /// behind a return.
-    fn gather<L: Level>(&mut self, levels: &[L]) -> &[(u16, u16)] {
-        let (chunks, rest) = levels.as_chunks::<GATHERED>();
-        let mut count = 0;
-        for (column, chunk) in (0..).step_by(GATHERED).zip(chunks) {
-            if *chunk != [L::NONE; GATHERED] {
-                count += self.gather_chunk(count, column, chunk);
-            }
-        }
-        let mut last = [L::NONE; GATHERED];
-        last[..rest.len()].copy_from_slice(rest);
-        count += self.gather_chunk(count, (levels.len() - rest.len()) as u16, &last);
-        &self.found[..count]
-    }
-
-    #[inline]
-    fn gather_chunk<L: Level>(&mut self, at: usize, first_column: u16, chunk: &[L; GATHERED]) -> usize {
-        let Some(places) = self.found.get_mut(at..).and_then(|rest| rest.first_chunk_mut::<GATHERED>()) else {
-            return 0;
-        };
-        let occupied = (0..GATHERED).fold(0_u8, |set, pixel| set | u8::from(chunk[pixel] != L::NONE) << pixel);
-        for (place, &offset) in places.iter_mut().zip(&OFFSETS[usize::from(occupied)]) {
-            *place = (first_column + u16::from(offset), chunk[usize::from(offset) % GATHERED].get());
-        }
-        occupied.count_ones() as usize
-    }
+    at / 3
 }

@@ -1,6 +1,6 @@
 //! Wires the stages: points -> range image -> payload -> frame.
 
-use crate::coder::{Coder, CoderId};
+use crate::coder::{Coder, CoderId, DeflateDefault};
 use crate::config::{Config, FrameSettings, GridSettings, LatticeConfig, Settings, quantizer};
 use crate::error::{ConfigError, EncodeError};
 use crate::fit::GridFit;
@@ -63,6 +63,32 @@ pub struct Encoder<const ROWS: usize, const COLS: usize, L: Level, C> {
     coder: C,
 }
 
+/// The paper's frame of 4500 columns (0.08 degrees each), the largest.
+///
+/// All six take the coder first (DEFLATE unless told otherwise), then the levels' type (`u8`); the presets' view is the
+/// HDL-64E's.
+///
+/// ```
+/// use flicr::{Config, DeflateSmall, Encoder256x64, Stamp};
+/// let mut encoder = Encoder256x64::<DeflateSmall>::new(DeflateSmall::new());
+/// let mut out = vec![0; Encoder256x64::<DeflateSmall>::WORST_CASE_LEN];
+/// let encoded = encoder.encode(&Config::PAPER, [[10.0_f32, 0.0, -1.0]].as_slice(), Stamp::default(), &mut out)?;
+/// assert_eq!((encoded.tally.kept(), encoder.image().columns()), (1, 256));
+/// # Ok::<(), flicr::EncodeError>(())
+/// ```
+pub type Encoder4500x64<C = DeflateDefault, L = u8> = Encoder<64, 4500, L, C>;
+/// The paper's frame of 4096 columns.
+pub type Encoder4096x64<C = DeflateDefault, L = u8> = Encoder<64, 4096, L, C>;
+/// The paper's frame of 2048 columns.
+pub type Encoder2048x64<C = DeflateDefault, L = u8> = Encoder<64, 2048, L, C>;
+/// The paper's frame of 1024 columns.
+pub type Encoder1024x64<C = DeflateDefault, L = u8> = Encoder<64, 1024, L, C>;
+/// The paper's frame of 512 columns.
+pub type Encoder512x64<C = DeflateDefault, L = u8> = Encoder<64, 512, L, C>;
+/// The paper's frame of 256 columns, the smallest: for parts with 64 KB of RAM, with
+/// [`DeflateSmall`](crate::DeflateSmall).
+pub type Encoder256x64<C = DeflateDefault, L = u8> = Encoder<64, 256, L, C>;
+
 impl<const ROWS: usize, const COLS: usize, L: Level, C> Encoder<ROWS, COLS, L, C> {
     /// An encoder with `coder`'s state.
     #[must_use]
@@ -110,9 +136,9 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, 
     ///
     /// # Errors
     /// As [`encode`](Self::encode); the vector is empty then.
-    pub fn encode_into<const N: usize, const NODES: usize>(
+    pub fn encode_into<const N: usize>(
         &mut self,
-        config: &Config<NODES>,
+        config: &impl Settings,
         points: &(impl Points + ?Sized),
         stamp: Stamp,
         out: &mut heapless::Vec<u8, N>,

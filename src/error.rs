@@ -190,6 +190,8 @@ pub enum PayloadFault {
     TooLong,
     /// The code itself is malformed.
     Malformed,
+    /// More DEFLATE blocks than the format allows for so few levels: work without a result.
+    TooManyBlocks,
     /// A level above what the header's level bits can hold.
     LevelRange {
         /// The level found.
@@ -331,6 +333,7 @@ impl fmt::Display for PayloadFault {
             Self::TooShort => f.write_str("ends before all pixels are there"),
             Self::TooLong => f.write_str("goes on after all pixels are there"),
             Self::Malformed => f.write_str("malformed code"),
+            Self::TooManyBlocks => f.write_str("more blocks than so few levels can need"),
             Self::LevelRange { found, max } => write!(f, "level {found}: at most {max} expected"),
         }
     }

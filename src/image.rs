@@ -133,7 +133,9 @@ impl<'a, L: Level> ImageView<'a, L> {
     /// Pixels that hold a return.
     #[must_use]
     pub fn occupied(&self) -> usize {
-        self.levels.iter().filter(|&&level| level != L::NONE).count()
+        // As many pixels as a byte counts, so that vectors of bytes are added.
+        let occupied = |levels: &[L]| levels.iter().map(|&level| u8::from(level != L::NONE)).sum::<u8>();
+        self.levels.chunks(u8::MAX.into()).map(|levels| usize::from(occupied(levels))).sum()
     }
 }
 

@@ -54,7 +54,8 @@ pub fn insert<L: Level>(
     image: &mut ImageViewMut<'_, L>,
     tally: &mut Tally,
 ) {
-    let mut inserter = Inserter { quantizer, policy, levels: image.levels(), tally };
+    let edge = if policy.out_of_view == OutOfView::Clamp { !Pixels::CLAMPED } else { u32::MAX };
+    let mut inserter = Inserter { quantizer, policy, edge, levels: image.levels(), tally };
     let mut pixels = Pixels::new();
     points.for_each_block(|block, len| {
         projection.project(block, quantizer, &mut pixels);
@@ -65,6 +66,8 @@ pub fn insert<L: Level>(
 struct Inserter<'a, L: Level> {
     quantizer: &'a Quantizer,
     policy: Policy,
+    /// What makes an edge pixel of a mark: takes the mark off where the policy is to clamp, nothing elsewhere.
+    edge: u32,
     levels: &'a mut [L],
     tally: &'a mut Tally,
 }
@@ -101,23 +104,15 @@ impl<L: Level> Inserter<'_, L> {
             // No image has as many pixels as the marks stand for: one comparison finds both.
             if let Some(pixel) = self.levels.get_mut(pixel as usize) {
                 put(pixel);
-            } else if let Some(pixel) = self.clamped(pixel) {
+            } else if let Some(pixel) = self.levels.get_mut((pixel & self.edge) as usize) {
+                self.tally.clamped += 1;
                 put(pixel);
+            } else {
+                self.tally.out_of_view += 1;
             }
         }
         self.tally.points += len as u32;
         self.tally.collided += collided;
-    }
-
-    /// The edge pixel that stands for one outside the view, if the policy is to clamp; counts either.
-    #[cold]
-    #[inline(never)]
-    fn clamped(&mut self, pixel: u32) -> Option<&mut L> {
-        let clamp = self.policy.out_of_view == OutOfView::Clamp;
-        let pixel = self.levels.get_mut((pixel & !Pixels::CLAMPED) as usize).filter(|_| clamp);
-        let counter = if pixel.is_some() { &mut self.tally.clamped } else { &mut self.tally.out_of_view };
-        *counter += 1;
-        pixel
     }
 
     #[cold]

@@ -85,7 +85,10 @@ pub use coder::{
     Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
 };
 pub use config::{Config, FrameSettings, GridConfig, GridSettings, LatticeConfig, Scale, Settings};
-pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};
+pub use encoder::{
+    Encoded, Encoder, Encoder256x64, Encoder512x64, Encoder1024x64, Encoder2048x64, Encoder4096x64, Encoder4500x64,
+    FrameEncoder, Stamp, encode,
+};
 pub use error::{ConfigError, DecodeError, EncodeError, HeaderField, LimitKind, PayloadFault};
 pub use fit::{GridFit, NoFit, Residual};
 pub use frame::{Geometry, Header};

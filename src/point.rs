@@ -6,6 +6,7 @@ pub const BLOCK_LEN: usize = 32;
 
 /// x, y, z of [`BLOCK_LEN`] points in separate lanes, meters, sensor frame (x forward, y left, z up).
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Block {
     /// Forward, meters.
     pub x: [f32; BLOCK_LEN],

@@ -262,6 +262,38 @@ fn payloads_that_do_not_make_the_image() {
     assert_eq!(fault(CoderId::Deflate, &[0x07]), PayloadFault::Malformed);
 }
 
+/// Empty blocks of DEFLATE, ten bits each (0, 01, 0000000), and then one that holds all levels.
+fn blocks_before(empty_blocks: usize, levels: &[u8]) -> Vec<u8> {
+    let mut bits = Vec::new();
+    for _ in 0..empty_blocks {
+        bits.extend([0, 1, 0, 0, 0, 0, 0, 0, 0, 0]);
+    }
+    bits.extend([1, 0, 0]); // the last, stored
+    bits.resize(bits.len().next_multiple_of(8), 0);
+    let mut stream: Vec<u8> =
+        bits.chunks(8).map(|byte| (0..8).fold(0, |value, bit| value | byte[bit] << bit)).collect();
+    stream.extend((levels.len() as u16).to_le_bytes());
+    stream.extend((!levels.len() as u16).to_le_bytes());
+    stream.extend_from_slice(levels);
+    stream
+}
+
+#[test]
+fn blocks_without_levels_are_counted() {
+    let levels = vec![7; 64 * COLUMNS];
+    let most = 16 + levels.len() / 8;
+    let decode = |empty| {
+        Decoder::default().decode(&frame_of(CoderId::Deflate, 8, &[&blocks_before(empty, &levels)])).map(|_| ())
+    };
+    for empty_blocks in [0, 1, most / 2, most - 2] {
+        assert_eq!(decode(empty_blocks), Ok(()), "{empty_blocks}");
+    }
+    let refused = DecodeError::Payload { strip: 0, fault: PayloadFault::TooManyBlocks };
+    for empty_blocks in [most + 2, 100 * most] {
+        assert_eq!(decode(empty_blocks), Err(refused), "{empty_blocks}");
+    }
+}
+
 #[test]
 fn levels_beyond_the_header_s_bits() {
     let levels = vec![63; 64 * COLUMNS];
@@ -295,6 +327,23 @@ proptest! {
         let mut decoder = Decoder::default();
         if let Ok(frame) = decoder.decode(&frame_of(coder, level_bits, &[&payload])) {
             prop_assert!(frame.points().len() <= 64 * COLUMNS);
+        }
+    }
+
+    #[test]
+    fn changes_before_a_checksum_that_fits(
+        which in 0_usize..5,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0_usize..110, any::<bool>(), any::<u8>()), 1..6),
+    ) {
+        let mut bytes = frames()[which].clone();
+        for (anywhere, at_front, in_front, value) in changes {
+            let at = if in_front { at_front.min(bytes.len() - 1) } else { anywhere.index(bytes.len()) };
+            bytes[at] = value;
+        }
+        let mut decoder = Decoder::default();
+        if let Ok(frame) = decoder.decode(&sealed(bytes)) {
+            prop_assert!(frame.points().len() <= frame.header().pixels());
+            prop_assert!(frame.points().iter().flatten().all(|coordinate| coordinate.is_finite()));
         }
     }
 

@@ -247,6 +247,25 @@ fn one_byte_short_is_an_error_and_the_worst_case_is_enough() {
     }
 }
 
+/// A frame of a named type comes back at its size and in no more than its worst case.
+fn check_named<const COLS: usize>(mut encoder: Encoder<64, COLS, u8, Rle>) {
+    let mut out = vec![0; Encoder::<64, COLS, u8, Rle>::WORST_CASE_LEN];
+    let points = common::spiral(5_000);
+    let len = encoder.encode(&Config::PAPER, points.as_slice(), Stamp::default(), &mut out).unwrap().len;
+    let header = flicr::frame::parse_header(&out[..len]).unwrap();
+    assert_eq!((header.rows, usize::from(header.columns)), (64, COLS));
+}
+
+#[test]
+fn the_papers_six_frames_have_names() {
+    check_named::<4500>(flicr::Encoder4500x64::new(Rle::new()));
+    check_named::<4096>(flicr::Encoder4096x64::new(Rle::new()));
+    check_named::<2048>(flicr::Encoder2048x64::new(Rle::new()));
+    check_named::<1024>(flicr::Encoder1024x64::new(Rle::new()));
+    check_named::<512>(flicr::Encoder512x64::new(Rle::new()));
+    check_named::<256>(flicr::Encoder256x64::new(Rle::new()));
+}
+
 /// The plain decoder that `docs/FORMAT.md` describes, to check ours against.
 fn rle_by_the_book(mut payload: &[u8]) -> Vec<u8> {
     let mut levels = Vec::new();

@@ -9,14 +9,22 @@ set -euo pipefail
 shopt -s inherit_errexit
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-scan=${FLICR_SCAN:+$(realpath "$FLICR_SCAN")}
+scan=${FLICR_SCAN:+$(realpath -m "$FLICR_SCAN")}
 cd "$here/.."
+if [[ -n $scan && ! -f $scan ]]; then
+    echo "demo.sh: FLICR_SCAN: no such file: $FLICR_SCAN" >&2
+    exit 2
+fi
+if [[ -n $scan && $scan != *.bin ]]; then
+    echo "demo.sh: FLICR_SCAN: $FLICR_SCAN: expected a KITTI file (.bin)" >&2
+    exit 2
+fi
 
 target=thumbv7em-none-eabihf
 coder=${FLICR_CODER:-deflate}
 max_range_m=${FLICR_MAX_RANGE_M:-80}
 sizes=(4500 256)
-build_dir=${CARGO_TARGET_DIR:-$PWD/target}
+build_dir=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 out=$build_dir/demo
 flicr=$build_dir/release/flicr
 options=(--preset uniform --coder "$coder" --max-range "$max_range_m")
@@ -26,7 +34,7 @@ step() { "$here/step.sh" "$@"; }
 
 step "build for this machine" cargo build --quiet --release --features cli
 step "build for Cortex-M7" "$here/cross.sh" build --quiet --profile firmware --example cortex_m --target $target
-firmware=$("$here/cross.sh" --target-dir $target)/$target/firmware/examples/cortex_m
+firmware=$(realpath "$("$here/cross.sh" --target-dir $target)/$target/firmware/examples/cortex_m")
 
 if [[ -z $scan ]]; then
     scan=$out/simulated.bin
@@ -35,8 +43,10 @@ fi
 
 jobs=()
 for columns in "${sizes[@]}"; do jobs+=("$columns:$coder:$max_range_m"); done
-step "encode on the emulated Cortex-M7" \
-    "$here/emulate.sh" m7 "$firmware" "$scan" "$out/board" "${jobs[@]}" | tee "$out/board.txt"
+# The board gets its command line as one string of words: by these names no path of this machine's is among them.
+ln -sf "$scan" "$out/on_board.bin"
+(cd "$out" && step "encode on the emulated Cortex-M7" \
+    "$here/emulate.sh" m7 "$firmware" on_board.bin board "${jobs[@]}") | tee "$out/board.txt"
 
 for columns in "${sizes[@]}"; do
     step "encode $columns x 64 on this machine" \

@@ -21,7 +21,8 @@ case $board in
 esac
 
 semihosting=enable=on,target=native
-for argument in "$@"; do
+# The firmware's own name first, without its folder: a space in that would make two arguments of it.
+for argument in "${1##*/}" "${@:2}"; do
     semihosting+=",arg=${argument//,/,,}" # a comma that is no separator is written twice
 done
 

@@ -4,7 +4,8 @@
 #   RAM           the encoder's static memory: range image and the coder's state
 #   worst frame   the output buffer that is enough for every frame
 #   stack         by painting, while the simulated scan is encoded on the emulated Cortex-M7 (examples/cortex_m)
-#   instructions  of that run: projection for each point, coding for each pixel
+#   instructions  of that run: projection for each point, coding for each pixel; then, with the default profile, at all
+#                 six of the paper's sizes
 #
 # Writes nothing outside target/.
 set -euo pipefail
@@ -26,6 +27,10 @@ kinds=(
     "4500:rle 32768 352256 4096"
     "256:rle 32768 49152 4096"
 )
+# The paper's sizes, and the most instructions that the largest may take for a point and for a pixel.
+columns=(4500 4096 2048 1024 512 256)
+point_max=130
+pixel_max=90
 
 # Bytes that end up in flash: code, constants, and the statics' initial values.
 flash_bytes() { arm-none-eabi-size "$1" | awk 'NR == 2 { print $1 + $2 }'; }
@@ -38,12 +43,11 @@ simulated_scan() {
     echo "${CARGO_TARGET_DIR:-target}/tmp/qemu-simulated.bin"
 }
 
-# cost_lines SCAN: what the firmware says of every kind.
+# cost_lines SCAN COLUMNS:CODER...: what the firmware says of each.
 cost_lines() {
-    "$here/cross.sh" build --quiet --profile firmware --example cortex_m --target $target
-    local kind
-    "$here/emulate.sh" m7 "$built/cortex_m" "$1" "$scratch/frame" \
-        $(for kind in "${kinds[@]}"; do echo "${kind%% *}:120"; done)
+    local scan=$1
+    shift
+    "$here/emulate.sh" m7 "$built/cortex_m" "$scan" "$scratch/frame" "${@/%/:120}"
 }
 
 # field LINES COLUMNS:CODER NAME: a number out of the lines on that kind.
@@ -61,8 +65,13 @@ within() {
     failed=yes
 }
 
+# tenths A B: A / B, rounded up, so that what is printed is within a promise only if A / B is.
+tenths() { awk -v a="$1" -v b="$2" 'BEGIN { n = 10 * a / b; n = n > int(n) ? int(n) + 1 : n; printf "%.1f", n / 10 }'; }
+
 empty=$(flash_bytes "$("$here/footprint.sh" none)")
-costs=$(cost_lines "$(simulated_scan)")
+"$here/cross.sh" build --quiet --profile firmware --example cortex_m --target $target
+scan=$(simulated_scan)
+costs=$(cost_lines "$scan" "${kinds[@]%% *}")
 row='%-18s %8s %8s %12s %7s %14s %14s\n'
 # shellcheck disable=SC2059 # the format is a constant
 printf "$row" encoder flash RAM "worst frame" stack "instr./point" "instr./pixel"
@@ -75,9 +84,28 @@ for kind in "${kinds[@]}"; do
     points=$(field "$costs" "$name" points)
     # shellcheck disable=SC2059
     printf "$row" "$name" "$flash" "$ram" "$(symbol_bytes "$firmware" OUT)" "$stack" \
-        "$(($(field "$costs" "$name" project) / points))" "$(($(field "$costs" "$name" code) / (64 * ${name%:*})))"
+        "$(tenths "$(field "$costs" "$name" project)" "$points")" \
+        "$(tenths "$(field "$costs" "$name" code)" $((64 * ${name%:*})))"
     within "flash of $name" "$flash" "$flash_max"
     within "RAM of $name" "$ram" "$ram_max"
     within "stack of $name" "$stack" "$stack_max"
+done
+
+costs=$(cost_lines "$scan" "${columns[@]/%/:deflate}")
+row='%-18s %14s %14s %14s\n'
+echo
+# shellcheck disable=SC2059
+printf "$row" frame "instr./point" "instr./pixel" "instr./frame"
+for width in "${columns[@]}"; do
+    project=$(field "$costs" "$width:deflate" project)
+    code=$(field "$costs" "$width:deflate" code)
+    points=$(field "$costs" "$width:deflate" points)
+    # shellcheck disable=SC2059
+    printf "$row" "$width:deflate" "$(tenths "$project" "$points")" "$(tenths "$code" $((64 * width)))" \
+        $((project + code))
+    if ((width == columns[0])); then
+        within "projection of $width in instructions for all $points points" "$project" $((point_max * points))
+        within "coding of $width in instructions for all $((64 * width)) pixels" "$code" $((pixel_max * 64 * width))
+    fi
 done
 [[ -z $failed ]]

@@ -53,19 +53,45 @@ impl<const NODES: usize> AngleTables<NODES> {
     /// atan(t) for t in 0..=1; NaN for NaN.
     #[inline]
     pub(crate) fn atan_unit(&self, t: f32) -> f32 {
-        // A hair less than the intervals, so that 1 is still in the last one and a mask replaces a comparison.
-        let at = t * (Self::INTERVALS as f32).next_down();
-        let node = to_index(at, Self::INTERVALS as u32 - 1);
-        interpolate(&self.atan, node as usize & Self::NODE_MASK, at - node as f32)
+        let (node, beyond) = Self::atan_place(t);
+        interpolate(self.atan_ends(node), beyond)
     }
 
     /// asin(t) for t in 0..=1/2, the last interval's line beyond (which is above asin(1/2) there); NaN for NaN.
     #[inline]
     pub(crate) fn asin_half(&self, t: f32) -> f32 {
+        let (node, beyond) = Self::asin_place(t);
+        interpolate(self.asin_ends(node), beyond)
+    }
+
+    /// Interval of t in atan's table, and how far into it.
+    #[inline]
+    pub(crate) fn atan_place(t: f32) -> (u32, f32) {
+        // A hair less than the intervals, so that 1 is still in the last one and a mask replaces a comparison.
+        let at = t * (Self::INTERVALS as f32).next_down();
+        let node = to_index(at, Self::INTERVALS as u32 - 1);
+        (node, at - node as f32)
+    }
+
+    /// Interval of t in asin's table, and how far into it.
+    #[inline]
+    pub(crate) fn asin_place(t: f32) -> (u32, f32) {
         let at = t * (2 * Self::INTERVALS) as f32;
         let last = Self::INTERVALS as u32 - 1;
         let node = to_index(at, last).min(last);
-        interpolate(&self.asin, node as usize, at - node as f32)
+        (node, at - node as f32)
+    }
+
+    /// atan at both ends of an interval.
+    #[inline]
+    pub(crate) fn atan_ends(&self, node: u32) -> (f32, f32) {
+        ends(&self.atan, node as usize & Self::NODE_MASK)
+    }
+
+    /// asin at both ends of an interval.
+    #[inline]
+    pub(crate) fn asin_ends(&self, node: u32) -> (f32, f32) {
+        ends(&self.asin, node as usize & Self::NODE_MASK)
     }
 
     /// Azimuth of (x, y): radians from -pi to pi, counterclockwise from x; 0 (or pi, for -0) at the origin.
@@ -128,8 +154,13 @@ pub(crate) fn unfold_half_angle(near: f32, c: f32) -> f32 {
 }
 
 #[inline]
-fn interpolate<const NODES: usize>(table: &[f32; NODES], node: usize, beyond: f32) -> f32 {
-    let (low, high) = (table[node], table[node + 1]);
+fn ends<const NODES: usize>(table: &[f32; NODES], node: usize) -> (f32, f32) {
+    (table[node], table[node + 1])
+}
+
+/// The value `beyond` of the way from the first to the second.
+#[inline]
+pub(crate) fn interpolate((low, high): (f32, f32), beyond: f32) -> f32 {
     low + (high - low) * beyond
 }
 

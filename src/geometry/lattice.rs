@@ -10,14 +10,14 @@ use crate::kernel;
 use crate::point::{BLOCK_LEN, Block};
 use crate::quantize::Quantizer;
 
-/// Bins of slope in a fan's table.
-pub(crate) const BINS: usize = 128;
+/// Bins of slope in the table of lines.
+pub(crate) const BINS: usize = 256;
 
-/// Nearer to the axis than this the tables do not hold, and every beam is tried, meters.
+/// 2^-32 turns a radian.
+const TURNED_PER_RAD: f64 = 4_294_967_296.0 / TAU;
+
+/// Nearer to the axis than this every beam is tried, meters.
 pub(crate) const BINS_FROM_M: f32 = 0.5;
-
-/// Step of `z_offset_m` that parts two blocks of lasers, meters; smaller ones are those within a block.
-const BLOCK_STEP_M: f64 = 0.01;
 
 /// Rows are a sensor's beams, columns evenly spread over its encoder's turn: column `c` is centered on the encoder
 /// azimuth `c / columns` turns from tick 0, in the sensor's direction. With as many columns as ticks, every return of
@@ -25,10 +25,10 @@ const BLOCK_STEP_M: f64 = 0.01;
 ///
 /// The range of a pixel is that along the beam, less the beam's range phase: a multiple of the range unit.
 ///
-/// The row needs no arc: a point's slope, seen from where a block's beams cross, picks a beam from a table, and exact
-/// comparisons with the lines midway between beams do the rest (mostly one). That is right for any table of beams that
-/// do not cross between the sensor and the point; two blocks of lasers at different heights (HDL-64E) are told apart
-/// by the largest step of `z_offset_m`.
+/// The row needs no arc: a point's slope, seen from the height of the lowest beam, picks a beam from a table, and exact
+/// comparisons with the lines midway between beams do the rest: one, where all beams start at one height, 1.6 on average
+/// over scans of an HDL-64E, whose blocks of lasers are 8 cm apart. That is right for any table of beams that do not
+/// cross between the sensor and the point.
 ///
 /// RAM or, in a `static`, flash: 32 bytes a line and 400. `LINES` is at least two more than the beams; `NODES` picks
 /// the angle table as for [`UniformGrid`](crate::UniformGrid).
@@ -46,13 +46,15 @@ pub struct Lattice<'a, const LINES: usize, const NODES: usize = 257> {
     columns: u16,
     /// Row 0 is line 1: line 0 is above the view, the last but one or later below.
     pub(crate) lines: [Line; LINES],
-    pub(crate) fans: [Fan; 2],
-    /// The second fan's beams are below this line.
-    pub(crate) split: Edge,
+    pub(crate) slopes: Slopes,
     /// No nearer than any beam passes the axis; the divisor never is less.
     pub(crate) nearest_axis_m: f32,
-    /// 2^-31 turns a radian; negative where the sensor turns clockwise.
-    pub(crate) half_turned_per_rad: f32,
+    /// 2^-32 turns a radian; negative where the sensor turns clockwise.
+    pub(crate) turned_per_rad: f32,
+    /// 2^-32 turns a quarter of a turn; negative likewise.
+    pub(crate) quarter_turned: i32,
+    /// Radians a 2^-32 turn, squared and halved: what makes the product of two [`Line::h_turned`] that of two offsets.
+    pub(crate) half_square_rad: f32,
     tables: &'static AngleTables<NODES>,
 }
 
@@ -63,7 +65,8 @@ pub(crate) struct Line {
     pub(crate) edge: Edge,
     pub(crate) sin: f32,
     pub(crate) cos: f32,
-    pub(crate) h_offset_m: f32,
+    /// The beam's distance from the axis, m, times [`Lattice::turned_per_rad`].
+    pub(crate) h_turned: f32,
     pub(crate) range_phase_m: f32,
     /// From the edge of column 0 to azimuth 0, 2^-32 turns.
     pub(crate) turned: u32,
@@ -83,11 +86,12 @@ impl Edge {
     pub(crate) const NONE: Self = Self { slope: 0.0, height_m: f32::NEG_INFINITY };
 }
 
-/// A block of beams, which cross near one point on the far side of the axis.
+/// Lines by the slope at which a point is seen from the axis, at the lowest beam's height.
+///
+/// A line through a higher point of the axis is nowhere below its own slope there: what lies below that slope by the
+/// table lies below the line at any distance.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Fan {
-    /// That point's distance from the axis.
-    pub(crate) behind_m: f32,
+pub(crate) struct Slopes {
     pub(crate) height_m: f32,
     pub(crate) bins_per_slope: f32,
     /// Bin of slope 0.
@@ -126,20 +130,17 @@ impl<'a, const LINES: usize, const NODES: usize> Lattice<'a, LINES, NODES> {
         if columns == 0 || columns > u16::MAX as usize {
             return Err(ConfigError::Size { rows, columns });
         }
-        let (edges, below_first) = (edges::<LINES>(grid.beams), block_end(grid.beams));
-        let direction = if grid.clockwise { -1.0 } else { 1.0 };
-        let split = edges[below_first];
+        let edges = edges::<LINES>(grid.beams);
+        let turned_per_rad = if grid.clockwise { -TURNED_PER_RAD } else { TURNED_PER_RAD };
         Ok(Self {
             grid,
             columns: columns as u16,
-            lines: lines(&grid, columns, direction, &edges),
-            fans: [
-                Fan::new(grid.beams, 0, below_first, &edges, None),
-                Fan::new(grid.beams, below_first, rows, &edges, Some(split)),
-            ],
-            split,
+            lines: lines(&grid, columns, turned_per_rad, &edges),
+            slopes: Slopes::new(grid.beams, &edges),
             nearest_axis_m: nearest_axis_m(grid.beams),
-            half_turned_per_rad: (direction * 2_147_483_648.0 / TAU) as f32,
+            turned_per_rad: turned_per_rad as f32,
+            quarter_turned: if grid.clockwise { -(1 << 30) } else { 1 << 30 },
+            half_square_rad: (0.5 / (TURNED_PER_RAD * TURNED_PER_RAD)) as f32,
             tables,
         })
     }
@@ -269,32 +270,18 @@ const fn beyond(beam: &Beam, spacing: f32) -> Edge {
     Edge { slope: beam.slope + 0.5 * spacing, height_m: beam.z_offset_m }
 }
 
-/// The first row of the second block of lasers: behind the largest step in height, or in the middle of an even table.
-const fn block_end(beams: &[Beam]) -> usize {
-    let (mut end, mut largest_m) = (beams.len().div_ceil(2), BLOCK_STEP_M);
-    let mut row = 1;
-    while row < beams.len() {
-        let step_m = (beams[row].z_offset_m as f64 - beams[row - 1].z_offset_m as f64).abs();
-        if step_m > largest_m {
-            (end, largest_m) = (row, step_m);
-        }
-        row += 1;
-    }
-    end
-}
-
 const fn lines<const LINES: usize>(
     grid: &SensorGrid<'_>,
     columns: usize,
-    direction: f64,
+    turned_per_rad: f64,
     edges: &[Edge; LINES],
 ) -> [Line; LINES] {
-    let mut lines = [Line::new(grid, 0, columns, direction, edges[0]); LINES];
+    let mut lines = [Line::new(grid, 0, columns, turned_per_rad, edges[0]); LINES];
     let last = grid.beams.len() - 1;
     let mut line = 0;
     while line < LINES {
         let row = if line > last + 1 { last } else { line.saturating_sub(1) };
-        lines[line] = Line::new(grid, row, columns, direction, edges[line]);
+        lines[line] = Line::new(grid, row, columns, turned_per_rad, edges[line]);
         if line == 0 || line > last + 1 {
             lines[line].first_pixel |= Pixels::CLAMPED;
         }
@@ -313,10 +300,11 @@ const fn nearest_axis_m(beams: &[Beam]) -> f32 {
 }
 
 impl Line {
-    const fn new(grid: &SensorGrid<'_>, row: usize, columns: usize, direction: f64, edge: Edge) -> Self {
+    const fn new(grid: &SensorGrid<'_>, row: usize, columns: usize, turned_per_rad: f64, edge: Edge) -> Self {
         let beam = &grid.beams[row];
         let BeamLine { sin, cos, .. } = BeamLine::new(beam);
-        let mut turns = -direction * (beam.azimuth_phase_rad as f64 + grid.zero_rad as f64) / TAU;
+        let from_zero = -turned_per_rad * (beam.azimuth_phase_rad as f64 + grid.zero_rad as f64);
+        let mut turns = from_zero / 4_294_967_296.0;
         // Columns are centered: the edge is half a column before tick 0.
         turns += 0.5 / columns as f64;
         while turns < 0.0 {
@@ -326,7 +314,7 @@ impl Line {
             edge,
             sin: sin as f32,
             cos: cos as f32,
-            h_offset_m: beam.h_offset_m,
+            h_turned: (beam.h_offset_m as f64 * turned_per_rad) as f32,
             range_phase_m: beam.range_phase_m,
             turned: (turns * 4_294_967_296.0) as u64 as u32,
             first_pixel: (row * columns) as u32,
@@ -334,84 +322,36 @@ impl Line {
     }
 }
 
-impl Fan {
-    const fn new<const LINES: usize>(
-        beams: &[Beam],
-        first: usize,
-        end: usize,
-        edges: &[Edge; LINES],
-        below: Option<Edge>,
-    ) -> Self {
-        let (behind_m, height_m) = crossing(beams, first, end);
-        let (top, bottom) = (edges[first].slope as f64, edges[end].slope as f64);
-        // Bin 0 is what lies above the block, and near the axis.
+impl Slopes {
+    const fn new<const LINES: usize>(beams: &[Beam], edges: &[Edge; LINES]) -> Self {
+        let (mut height_m, mut row) = (beams[0].z_offset_m, 1);
+        while row < beams.len() {
+            height_m = height_m.min(beams[row].z_offset_m);
+            row += 1;
+        }
+        let (top, bottom) = (edges[0].slope as f64, edges[beams.len()].slope as f64);
+        // Bin 0 is what lies above the view, and near the axis.
         let bins_per_slope = ((BINS - 1) as f64 / (top - bottom)) as f32;
         let bin = (top * bins_per_slope as f64 + 1.0) as f32;
-        let mut fan = Self { behind_m, height_m, bins_per_slope, bin, starts: [0; BINS] };
-        let anyway = match below {
-            Some(edge) => edges_above(edge, edges, beams.len()),
-            None => 0,
-        };
-        let mut index = 0;
+        let mut slopes = Self { height_m, bins_per_slope, bin, starts: [0; BINS] };
+        let mut index = 1;
         while index < BINS {
-            let start = if index == 0 { 0 } else { fan.lines_above_bin(index, edges, beams.len()) };
-            let start = if start > anyway { start } else { anyway };
-            fan.starts[index] = if start > 255 { 255 } else { start as u8 };
+            let start = slopes.lines_above_bin(index, edges, beams.len());
+            slopes.starts[index] = if start > 255 { 255 } else { start as u8 };
             index += 1;
         }
-        fan
+        slopes
     }
 
-    /// Rows, from the first on, whose lower edges lie above all of a bin wherever it is used.
+    /// Lines, from the first on, that lie above all of a bin wherever it is used.
     const fn lines_above_bin<const LINES: usize>(&self, index: usize, edges: &[Edge; LINES], rows: usize) -> usize {
+        let upper = (self.bin as f64 - index as f64) / self.bins_per_slope as f64;
         // Of f32 arithmetic, both in the bin and in the comparison.
-        const SLACK: f64 = 4e-6;
-        let (behind_m, height_m) = (self.behind_m as f64, self.height_m as f64);
-        let upper = (self.bin as f64 - index as f64) / self.bins_per_slope as f64 + SLACK;
-        let at_m = BINS_FROM_M as f64;
-        let z_m = height_m + upper * (at_m + behind_m);
+        let upper = upper + 4e-6 + 5e-7 * upper.abs();
         let mut line = 0;
-        while line <= rows {
-            let edge = &edges[line];
-            let above = upper < edge.slope as f64 && z_m < edge.slope as f64 * at_m + edge.height_m as f64 - SLACK;
-            if !above {
-                break;
-            }
+        while line <= rows && upper < edges[line].slope as f64 {
             line += 1;
         }
         line
     }
-}
-
-/// Edges, from the first on, that are nowhere below `lower`.
-const fn edges_above<const LINES: usize>(lower: Edge, edges: &[Edge; LINES], rows: usize) -> usize {
-    let mut line = 0;
-    while line <= rows && edges[line].slope >= lower.slope && edges[line].height_m >= lower.height_m {
-        line += 1;
-    }
-    line
-}
-
-/// The point nearest to where beams cross, by least squares of z_offset = height + behind x slope.
-const fn crossing(beams: &[Beam], first: usize, end: usize) -> (f32, f32) {
-    let (mut n, mut s, mut c, mut ss, mut sc) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    let mut row = first;
-    while row < end {
-        let (slope, height) = (beams[row].slope as f64, beams[row].z_offset_m as f64);
-        n += 1.0;
-        s += slope;
-        c += height;
-        ss += slope * slope;
-        sc += slope * height;
-        row += 1;
-    }
-    if n == 0.0 {
-        return (0.0, 0.0);
-    }
-    let spread = n * ss - s * s;
-    let behind = if spread > 1e-9 { (n * sc - s * c) / spread } else { 0.0 };
-    // The divisor rho + behind stays well above 0 wherever the bins are used.
-    let limit = 0.5 * BINS_FROM_M as f64;
-    let behind = behind.clamp(-limit, limit);
-    (behind as f32, ((c - behind * s) / n) as f32)
 }

@@ -33,6 +33,7 @@ use crate::quantize::Quantizer;
 
 /// Where the points of a [`Block`] fall: one lane each.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Pixels {
     /// Row times columns plus column; with [`Pixels::CLAMPED`] set where the elevation is outside the view and the
     /// edge row stands for it, [`Pixels::OUT_OF_VIEW`] where the azimuth is outside.

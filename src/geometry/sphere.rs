@@ -1,15 +1,16 @@
 //! The inverse of the uniform grid: pixels back to directions, without a sine a point.
 
+use core::array;
 use std::vec::Vec;
 
 use super::{Placement, UniformView};
 
-/// Sine and cosine of every row's elevation and every column's azimuth.
+/// Every row's elevation and every column's azimuth.
 #[derive(Debug, Default)]
 pub(crate) struct Sphere {
     made_for: Option<(u16, u16, UniformView, Placement)>,
-    rows: Vec<SinCos>,
-    columns: Vec<SinCos>,
+    rows: Vec<Elevation>,
+    columns: Vec<Azimuth>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -18,12 +19,12 @@ struct SinCos {
     cos: f32,
 }
 
-/// The directions of a row's pixels.
+/// A column's azimuth: what x, y and z of a row are multiplied by, and nothing to make it a vector.
+pub(crate) type Azimuth = [f32; 4];
+
+/// What ranges of a row are multiplied by for the distance along the ground, twice, and the height.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RowDirections<'a> {
-    elevation: SinCos,
-    columns: &'a [SinCos],
-}
+pub(crate) struct Elevation([f32; 4]);
 
 impl Sphere {
     /// Computes the angles unless they are those of the last frame.
@@ -36,20 +37,27 @@ impl Sphere {
         let row_rad = (top - f64::from(view.bottom_rad)) / f64::from(rows);
         let column_rad = f64::from(view.span_rad) / f64::from(columns);
         let offset = placement.offset();
-        fill(&mut self.rows, rows, |row| top - (row + offset) * row_rad);
-        fill(&mut self.columns, columns, |column| start + (column + offset) * column_rad);
+        self.rows.clear();
+        self.rows.extend((0..rows).map(|row| Elevation::of(top - (f64::from(row) + offset) * row_rad)));
+        self.columns.clear();
+        self.columns.extend((0..columns).map(|column| azimuth(start + (f64::from(column) + offset) * column_rad)));
         self.made_for = wanted;
     }
 
-    /// Directions of a row's pixels.
-    pub(crate) fn row(&self, row: usize) -> RowDirections<'_> {
-        RowDirections { elevation: self.rows[row], columns: &self.columns }
+    /// A row's elevation.
+    pub(crate) fn row(&self, row: usize) -> Elevation {
+        self.rows[row]
+    }
+
+    /// Azimuths of all columns.
+    pub(crate) fn columns(&self) -> &[Azimuth] {
+        &self.columns
     }
 }
 
-fn fill(angles: &mut Vec<SinCos>, count: u16, angle_rad: impl Fn(f64) -> f64) {
-    angles.clear();
-    angles.extend((0..count).map(|index| SinCos::of(angle_rad(index.into()))));
+fn azimuth(angle_rad: f64) -> Azimuth {
+    let SinCos { sin, cos } = SinCos::of(angle_rad);
+    [cos, sin, 1.0, 0.0]
 }
 
 impl SinCos {
@@ -59,12 +67,15 @@ impl SinCos {
     }
 }
 
-impl RowDirections<'_> {
-    /// The point at `range_m` meters in a column.
+impl Elevation {
+    fn of(angle_rad: f64) -> Self {
+        let SinCos { sin, cos } = SinCos::of(angle_rad);
+        Self([cos, cos, sin, 0.0])
+    }
+
+    /// The point at `range_m` meters in a column: x, y, z and a zero.
     #[inline]
-    pub(crate) fn at(self, column: u16, range_m: f32) -> [f32; 3] {
-        let azimuth = self.columns[usize::from(column)];
-        let ground_m = range_m * self.elevation.cos;
-        [ground_m * azimuth.cos, ground_m * azimuth.sin, range_m * self.elevation.sin]
+    pub(crate) fn at(self, azimuth: &Azimuth, range_m: f32) -> [f32; 4] {
+        array::from_fn(|i| range_m * self.0[i] * azimuth[i])
     }
 }

@@ -17,7 +17,7 @@ pub(crate) struct Turn {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct SinCos {
+pub(crate) struct SinCos {
     sin: f64,
     cos: f64,
 }
@@ -27,7 +27,7 @@ struct SinCos {
 /// With a and h as in [`Beam`], and the beam's azimuth phase turned into both, x = ahead cos + aside sin and
 /// y = ahead sin - aside cos of the encoder's azimuth.
 #[derive(Debug, Clone, Copy)]
-struct BeamRow {
+pub(crate) struct BeamRow {
     ahead: Linear,
     aside: Linear,
     z: Linear,
@@ -38,13 +38,6 @@ struct BeamRow {
 struct Linear {
     per_level: f64,
     at_zero: f64,
-}
-
-/// The points of a row.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TurnRow<'a> {
-    row: BeamRow,
-    columns: &'a [SinCos],
 }
 
 impl Turn {
@@ -65,9 +58,14 @@ impl Turn {
         self.made_for = wanted;
     }
 
-    /// Points of a row.
-    pub(crate) fn row(&self, row: usize) -> TurnRow<'_> {
-        TurnRow { row: self.rows[row], columns: &self.columns }
+    /// A row's beam.
+    pub(crate) fn row(&self, row: usize) -> BeamRow {
+        self.rows[row]
+    }
+
+    /// Azimuths of all columns.
+    pub(crate) fn columns(&self) -> &[SinCos] {
+        &self.columns
     }
 }
 
@@ -96,15 +94,12 @@ impl BeamRow {
             z: Linear { per_level: step_m * line.sin, at_zero: phase_m * line.sin + line.lift_m * line.cos },
         }
     }
-}
 
-impl TurnRow<'_> {
-    /// The point of a level in a column.
+    /// The point of a level in a column: x, y, z and a zero.
     #[inline]
-    pub(crate) fn at(self, column: u16, level: u16) -> [f32; 3] {
-        let SinCos { sin, cos } = self.columns[usize::from(column)];
+    pub(crate) fn at(self, &SinCos { sin, cos }: &SinCos, level: u16) -> [f32; 4] {
         let level = f64::from(level);
-        let (ahead, aside) = (self.row.ahead.at(level), self.row.aside.at(level));
-        [(ahead * cos + aside * sin) as f32, (ahead * sin - aside * cos) as f32, self.row.z.at(level) as f32]
+        let (ahead, aside) = (self.ahead.at(level), self.aside.at(level));
+        [(ahead * cos + aside * sin) as f32, (ahead * sin - aside * cos) as f32, self.z.at(level) as f32, 0.0]
     }
 }

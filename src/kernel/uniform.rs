@@ -2,13 +2,17 @@
 //!
 //! Three stages, each written once for one lane. Where the target has vectors, the stages are passes over whole
 //! blocks: arithmetic in the first and the last, which LLVM turns into vector instructions (NEON, SSE2), and between
-//! them the table look-ups, which those instruction sets do not have. A Cortex-M has no vectors but few registers:
+//! them nothing but loads from tables, which those instruction sets do not have. A Cortex-M has no vectors but few registers:
 //! there the stages are one loop, and nothing goes through memory in between. Same operations, same results.
 
 use core::f32::consts::TAU;
 
-use crate::geometry::angles::{AngleTables, half_angle_argument, octant_ratio, unfold_half_angle, unfold_octant};
+#[cfg(not(target_arch = "arm"))]
+use crate::geometry::angles::AngleTables;
+use crate::geometry::angles::{half_angle_argument, octant_ratio, unfold_half_angle, unfold_octant};
 use crate::geometry::{Pixels, UniformGrid};
+#[cfg(not(target_arch = "arm"))]
+use crate::kernel::Lookups;
 use crate::kernel::{sqrt, to_index};
 use crate::point::{BLOCK_LEN, Block};
 use crate::quantize::Quantizer;
@@ -36,20 +40,23 @@ fn project<const NODES: usize, const PLAIN: bool>(
     block: &Block,
     pixels: &mut Pixels,
 ) {
-    const ZERO: [f32; BLOCK_LEN] = [0.0; BLOCK_LEN];
-    let (mut octant, mut sine, mut near) = (ZERO, ZERO, ZERO);
-    for i in 0..BLOCK_LEN {
+    let mut sine = [0.0; BLOCK_LEN];
+    let (mut atan, mut asin) = (Lookups::NEW, Lookups::NEW);
+    for (i, sine) in sine.iter_mut().enumerate() {
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
-        let range_m;
-        (range_m, octant[i], sine[i], near[i]) = to_ratios::<PLAIN>(x, y, z);
+        let (range_m, octant, near);
+        (range_m, octant, *sine, near) = to_ratios::<PLAIN>(x, y, z);
         pixels.level[i] = quantizer.rounded(range_m);
-    }
-    for (octant, near) in octant.iter_mut().zip(&mut near) {
-        (*octant, *near) = look_up(grid.tables(), *octant, *near);
+        atan.put(i, AngleTables::<NODES>::atan_place(octant));
+        asin.put(i, AngleTables::<NODES>::asin_place(near));
     }
     for i in 0..BLOCK_LEN {
-        let azimuth = unfold_octant(octant[i], block.y[i], block.x[i]);
-        pixels.pixel[i] = to_pixel::<NODES, PLAIN>(grid, azimuth, unfold_elevation::<PLAIN>(near[i], sine[i]));
+        atan.look_up(i, |node| grid.tables().atan_ends(node));
+        asin.look_up(i, |node| grid.tables().asin_ends(node));
+    }
+    for (i, &sine) in sine.iter().enumerate() {
+        let azimuth = unfold_octant(atan.angle(i), block.y[i], block.x[i]);
+        pixels.pixel[i] = to_pixel::<NODES, PLAIN>(grid, azimuth, unfold_elevation::<PLAIN>(asin.angle(i), sine));
     }
 }
 
@@ -64,7 +71,7 @@ fn project<const NODES: usize, const PLAIN: bool>(
     for i in 0..BLOCK_LEN {
         let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
         let (range_m, octant, sine, near) = to_ratios::<PLAIN>(x, y, z);
-        let (octant, near) = look_up(grid.tables(), octant, near);
+        let (octant, near) = (grid.tables().atan_unit(octant), grid.tables().asin_half(near));
         let azimuth = unfold_octant(octant, y, x);
         pixels.level[i] = quantizer.rounded(range_m);
         pixels.pixel[i] = to_pixel::<NODES, PLAIN>(grid, azimuth, unfold_elevation::<PLAIN>(near, sine));
@@ -78,11 +85,6 @@ fn to_ratios<const PLAIN: bool>(x: f32, y: f32, z: f32) -> (f32, f32, f32, f32) 
     let sine = z / range_m;
     let near = if PLAIN { sine.abs() } else { half_angle_argument(sine.abs()) };
     (range_m, octant_ratio(y, x), sine, near)
-}
-
-#[inline(always)]
-fn look_up<const NODES: usize>(tables: &AngleTables<NODES>, octant: f32, near: f32) -> (f32, f32) {
-    (tables.atan_unit(octant), tables.asin_half(near))
 }
 
 #[inline(always)]

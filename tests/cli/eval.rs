@@ -101,23 +101,3 @@ fn a_scan_without_a_return_cannot_be_measured() {
     place.write("none.bin", &[0; 32]);
     place.fails_with(1, &["eval", "none.bin"], "none.bin", &["expected"]);
 }
-
-/// Real scans, where they are at hand: medians that an independent implementation found.
-#[test]
-fn the_papers_frames_of_kitti_scans() {
-    let data =
-        std::env::var("FLICR_DATA").unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data").into());
-    let drive = std::path::Path::new(&data).join("kitti/drive");
-    if !drive.is_dir() {
-        println!("skipped: no KITTI scans in {}", drive.display());
-        return;
-    }
-    let scan = drive.join("000000.bin").display().to_string();
-    let text = Place::new().fine(&["eval", &scan, "--preset", "paper", "--json"]);
-    let object = &objects(&text)[0];
-    let file_points = std::fs::metadata(&scan).unwrap().len() / 16;
-    assert_eq!(object["points"], file_points - 1, "one point is at the origin");
-    let (lost, psnr_db) = (object["se"].as_f64().unwrap(), object["psnr_db"].as_f64().unwrap());
-    assert!((0.068..0.076).contains(&lost), "{lost}");
-    assert!((58.0..58.8).contains(&psnr_db), "{psnr_db}");
-}

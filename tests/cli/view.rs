@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::picture::Picture;
-use super::run::Place;
+use super::run::{Place, bin};
 
 #[test]
 fn a_scan_is_shown_with_its_frame() {
@@ -39,4 +39,17 @@ fn columns_change_the_picture() {
     let [many, few] = ["many.png", "few.png"].map(|name| Picture::of(&place.read(name)));
     let right = |picture: &Picture| picture.colored(picture.width / 2 + 20..picture.width, 400..picture.height());
     assert!(right(&few) < 0.2 * right(&many), "64 columns keep few points");
+}
+
+#[test]
+fn points_that_no_sensor_measures_are_shown_too() {
+    let place = Place::new();
+    for most in [1e6, 1e18, 1e38, f32::MAX] {
+        let points: Vec<[f32; 4]> = (0..200).map(|i| [5.0, 1.0, if i % 2 == 0 { most } else { -most }, 0.0]).collect();
+        place.write("far.bin", &bin(&points));
+        place.fine(&["view", "far.bin", "-o", "far.png", "--columns", "64", "--max-range", "80"]);
+        place.fine(&["view", "far.bin", "-o", "far.png", "--columns", "64"]);
+    }
+    place.write("odd.bin", &bin(&[[f32::NAN; 4], [f32::INFINITY; 4], [0.0; 4]]));
+    place.fine(&["view", "odd.bin", "-o", "odd.png", "--columns", "64"]);
 }

@@ -6,6 +6,8 @@ mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
 mod deflate;
+#[cfg(feature = "cli")]
+mod eval;
 mod files;
 mod geometry;
 mod lattice;
@@ -28,6 +30,8 @@ const TESTS: &[(&str, fn())] = &[
     ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
     ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
+    #[cfg(feature = "cli")]
+    ("eval::the_papers_frame_of_a_kitti_scan", eval::the_papers_frame_of_a_kitti_scan),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),

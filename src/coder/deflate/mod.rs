@@ -25,6 +25,9 @@ use matcher::Tables;
 use parse::Parse;
 use symbols::MIN_MATCH;
 
+/// Fewest bytes that a block other than the last may stand for: the format has decoders refuse streams of smaller ones.
+pub(crate) const LEAST_BLOCK_LEN: usize = 8;
+
 /// DEFLATE (RFC 1951): the paper's LZ77 (section IV-C), made for range images. All of its state; no allocator.
 ///
 /// `SHORT` and `LONG`, powers of two, are the keys that each two of its four hash tables hold (3 and 9 bytes; 6 and
@@ -69,7 +72,7 @@ impl<const SHORT: usize, const LONG: usize, const WAYS: usize, const SEQUENCES: 
 {
     /// A block takes as many bytes at least, except the last: every sequence stands for three or more.
     const MIN_BLOCK_LEN: usize = {
-        assert!(SEQUENCES > 0 && SEQUENCES * MIN_MATCH <= 32_768);
+        assert!(SEQUENCES * MIN_MATCH >= LEAST_BLOCK_LEN && SEQUENCES * MIN_MATCH <= 32_768);
         SEQUENCES * MIN_MATCH
     };
 

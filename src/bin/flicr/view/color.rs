@@ -60,7 +60,9 @@ impl HeightScale {
     pub fn legend(self, canvas: &mut Canvas, right: u32, y: u32) {
         let ticks = [0.0, 0.5, 1.0].map(|share| {
             let height_m = self.low_m + share * (self.high_m - self.low_m);
-            (share, format!("{height_m:+.1}"))
+            // What no sensor measures would not fit below the bar.
+            let text = if height_m.abs() < 1e5 { format!("{height_m:+.1}") } else { format!("{height_m:+.0e}") };
+            (share, text)
         });
         bar(canvas, right, y, "height, m", |share| at(TURBO, share), &ticks);
     }
@@ -75,7 +77,7 @@ fn bar(canvas: &mut Canvas, right: u32, y: u32, name: &str, color: impl Fn(f32) 
         canvas.fill(column, color(x as f32 / BAR_WIDTH as f32));
     }
     for (share, text) in ticks {
-        let half = 4 * text.len() as u32;
+        let half = (4 * text.len() as u32).min(BAR_WIDTH / 2);
         let x = left + (share * BAR_WIDTH as f32) as u32;
         canvas.centered_text(x.clamp(left + half, right - half), y + BAR_HEIGHT + 3, text);
     }

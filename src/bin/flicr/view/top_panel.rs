@@ -60,7 +60,8 @@ impl Panel {
         let x = self.area.width as f32 / 2.0 + x_m * self.pixels_per_m;
         let y = self.area.height as f32 / 2.0 - y_m * self.pixels_per_m;
         let inside = x >= 0.0 && y >= 0.0 && x < self.area.width as f32 && y < self.area.height as f32;
-        inside.then_some((self.area.x + x as u32, self.area.y + y as u32))
+        // Only then: what lies far outside does not fit the sum.
+        inside.then(|| (self.area.x + x as u32, self.area.y + y as u32))
     }
 
     /// Circles around the sensor, out to the panel's corners.
