@@ -83,10 +83,16 @@ fn check(
     let points: Vec<[f32; 3]> = turns.concat();
     let near = Near::of(&points);
     let range_m = 1.05 * f64::from(sensor.spin.range_unit_m);
-    let absent =
-        reference.iter().filter(|&&point| !near.has(sphere(point), azimuth_deg, elevation_deg, range_m)).count();
-    println!("{}: {} reference points, {absent} absent", sensor.name, reference.len());
-    assert!(absent <= most, "{absent}");
+    let spheres = reference.iter().map(|&point| sphere(point));
+    let absent: Vec<_> = spheres.filter(|&point| !near.has(point, azimuth_deg, elevation_deg, range_m)).collect();
+    println!("{}: {} reference points, {} absent", sensor.name, reference.len(), absent.len());
+    assert!(absent.len() <= most, "{}", absent.len());
+    // Those of the packet that holds the blind sector, on both of its sides: columns of 0.2 degrees, twelve at most, from
+    // beams up to 4.2 degrees aside, misplaced by the other decoder.
+    let beside = |a: &[f64; 3], b: &[f64; 3]| apart_deg(a[0], b[0]) <= 18.0;
+    let across = absent.iter().find(|point| !beside(point, &absent[0]));
+    let explained = |point| beside(point, &absent[0]) || across.is_some_and(|across| beside(point, across));
+    assert!(absent.iter().all(explained));
 }
 
 fn velodyne(sensor: &SensorGeometry, rows: usize, capture: &str, scan: &str, most: usize) {
