@@ -51,9 +51,7 @@ const UNTOUCHED: flicr_encoded = flicr_encoded {
 fn header_is_made_from_the_source() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
-    let files = ["mod", "status", "config", "sensor", "encoder", "grid"].map(|name| format!("src/capi/{name}.rs"));
-    let builder = cbindgen::Builder::new().with_config(config);
-    let builder = files.iter().fold(builder, |builder, file| builder.with_src(root.join(file)));
+    let builder = cbindgen::Builder::new().with_config(config).with_src(root.join("src/capi/mod.rs"));
     let mut fresh = Vec::new();
     builder.generate().unwrap().write(&mut fresh);
     let path = root.join("include/flicr.h");
@@ -458,6 +456,12 @@ fn refused_calls(expect: &mut impl FnMut(Status, Status)) {
     expect(call(encoder.cast(), 1, 12, out_start, 20_000), Status::Overlap);
     expect(call(records, 1, 12, encoder.cast::<c_void>().wrapping_byte_add(300), 12), Status::Overlap);
     assert_eq!(encoded, UNTOUCHED);
+    // Where the result is to go counts among what must be apart.
+    for within in [encoder.cast(), out_start, records.cast_mut()] {
+        // SAFETY: this is to be found before anything is read or written.
+        let status = unsafe { flicr_encode(encoder, records, 1, 12, STAMP, out_start, 20_000, within.cast()) };
+        expect(status, Status::Overlap);
+    }
     // SAFETY: null is to be found.
     expect(unsafe { flicr_encode(encoder, records, 1, 12, STAMP, out_start, 1, null_mut()) }, Status::NullPointer);
     expect(insert(encoder, &points), Status::NotStarted);

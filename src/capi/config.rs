@@ -173,7 +173,7 @@ pub unsafe extern "C" fn flicr_config_init(
     out_config: *mut flicr_config,
 ) -> flicr_status {
     // SAFETY: the caller's promise about `out_config`.
-    unsafe { deliver(out_config, || preset_config(preset, columns, rows)) }
+    unsafe { deliver(out_config, |_| preset_config(preset, columns, rows)) }
 }
 
 fn preset_config(preset: PresetCode, columns: u32, rows: u32) -> Outcome<flicr_config> {

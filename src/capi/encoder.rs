@@ -110,7 +110,7 @@ pub unsafe extern "C" fn flicr_encoder_init_store(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder::<Store>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place_encoder::<Store>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_encoder_init_store, for FLICR_CODER_RLE.
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn flicr_encoder_init_rle(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder::<Rle>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place_encoder::<Rle>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE.
@@ -134,7 +134,7 @@ pub unsafe extern "C" fn flicr_encoder_init_deflate(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder::<DeflateDefault>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place_encoder::<DeflateDefault>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn flicr_encoder_init_deflate_small(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder::<DeflateSmall>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place_encoder::<DeflateSmall>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
@@ -158,7 +158,7 @@ pub unsafe extern "C" fn flicr_encoder_init_deflate_dense(
     out_encoder: *mut *mut flicr_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoder, || place_encoder::<DeflateDense>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place_encoder::<DeflateDense>(state, state_len, &read(config)?, result)) }
 }
 
 /// Encodes a whole scan to the front of `out`: `count` records, `stride_bytes` apart, each starting with x, y, z as
@@ -181,7 +181,7 @@ pub unsafe extern "C" fn flicr_encode(
 ) -> flicr_status {
     let scan = || Records::new(points, count, stride_bytes);
     // SAFETY: the caller's promises about the four pointers.
-    unsafe { deliver(out_encoded, || encode(encoder, scan()?, stamp, Output::new(out, out_len)?)) }
+    unsafe { deliver(out_encoded, |result| encode(encoder, scan()?, stamp, Output::new(out, out_len)?, result)) }
 }
 
 /// Begins a frame whose points come piece by piece. A frame that was started before is dropped.
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn flicr_finish(
     out_encoded: *mut flicr_encoded,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoded, || finish(encoder, Output::new(out, out_len)?)) }
+    unsafe { deliver(out_encoded, |result| finish(encoder, Output::new(out, out_len)?, result)) }
 }
 
 /// Where in an encoder's memory its parts are; the coder's state is at `FLICR_ENCODER_OVERHEAD`.
@@ -269,6 +269,7 @@ unsafe fn place_encoder<C: StartsAsZeros>(
     state: *mut c_void,
     state_len: usize,
     settings: &flicr_config,
+    result: Span,
 ) -> Outcome<*mut flicr_encoder> {
     const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN) };
     let layout = Layout::new(size_of::<C>(), pixels(settings.columns, settings.rows)?);
@@ -278,6 +279,7 @@ unsafe fn place_encoder<C: StartsAsZeros>(
     if state_len < layout.len {
         return Err(flicr_status::StateTooSmall);
     }
+    check_apart(Span::new(state, layout.len)?, [result])?;
     // SAFETY: `layout.len` bytes may be written, the head at their aligned start. Zeros are a coder that has been
     // vouched for, and an image without returns.
     unsafe {
@@ -314,7 +316,7 @@ struct Parts<'a> {
 /// # Safety
 /// `encoder` is null or points to memory that is large enough for a head, holds whatever `place_encoder` and the
 /// functions below have written, and is used by nobody else before the result's last use.
-unsafe fn parts<'a>(encoder: *mut flicr_encoder, others: [Span; 2]) -> Outcome<Parts<'a>> {
+unsafe fn parts<'a, const N: usize>(encoder: *mut flicr_encoder, others: [Span; N]) -> Outcome<Parts<'a>> {
     check_place(encoder)?;
     // SAFETY: neither null nor misaligned; a number may have any value.
     if unsafe { (&raw const (*encoder).magic).read() } != MAGIC {
@@ -341,10 +343,11 @@ unsafe fn encode(
     scan: Records,
     stamp: flicr_stamp,
     out: Output,
+    result: Span,
 ) -> Outcome<flicr_encoded> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
-        let Parts { head, coder, mut image } = parts(encoder, [scan.span, out.span])?;
+        let Parts { head, coder, mut image } = parts(encoder, [scan.span, out.span, result])?;
         head.frame = None;
         let frame = OpenFrame::of_scan(&head.config, &scan.points()?, stamp.into(), &mut image)?;
         (head.finish)(coder, &frame, image.as_view(), out.bytes())
@@ -355,7 +358,7 @@ unsafe fn encode(
 /// As the header demands of `flicr_start`.
 unsafe fn start(encoder: *mut flicr_encoder, stamp: flicr_stamp) -> Outcome<()> {
     // SAFETY: the caller's promise.
-    let Parts { head, mut image, .. } = unsafe { parts(encoder, [Span::NONE; 2]) }?;
+    let Parts { head, mut image, .. } = unsafe { parts(encoder, []) }?;
     head.frame = None;
     head.frame = Some(OpenFrame::start(&head.config, stamp.into(), &mut image)?);
     Ok(())
@@ -365,7 +368,7 @@ unsafe fn start(encoder: *mut flicr_encoder, stamp: flicr_stamp) -> Outcome<()> 
 /// As the header demands of `flicr_insert`.
 unsafe fn insert(encoder: *mut flicr_encoder, scan: Records) -> Outcome<()> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
-    let (Parts { head, mut image, .. }, points) = unsafe { (parts(encoder, [scan.span, Span::NONE])?, scan.points()?) };
+    let (Parts { head, mut image, .. }, points) = unsafe { (parts(encoder, [scan.span])?, scan.points()?) };
     let frame = head.frame.as_mut().ok_or(flicr_status::NotStarted)?;
     frame.tally().points.checked_add(scan.count).ok_or(flicr_status::TooManyPoints)?;
     frame.insert(&points, &mut image);
@@ -374,10 +377,10 @@ unsafe fn insert(encoder: *mut flicr_encoder, scan: Records) -> Outcome<()> {
 
 /// # Safety
 /// As the header demands of `flicr_finish`.
-unsafe fn finish(encoder: *mut flicr_encoder, out: Output) -> Outcome<flicr_encoded> {
+unsafe fn finish(encoder: *mut flicr_encoder, out: Output, result: Span) -> Outcome<flicr_encoded> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
-        let Parts { head, coder, image } = parts(encoder, [Span::NONE, out.span])?;
+        let Parts { head, coder, image } = parts(encoder, [out.span, result])?;
         let frame = head.frame.as_ref().ok_or(flicr_status::NotStarted)?;
         let finished = (head.finish)(coder, frame, image.as_view(), out.bytes())?;
         head.frame = None;

@@ -119,7 +119,7 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_store(
     out_encoder: *mut *mut flicr_grid_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_encoder, || place::<Store>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place::<Store>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_grid_encoder_init_store, for FLICR_CODER_RLE.
@@ -131,7 +131,7 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_rle(
     out_encoder: *mut *mut flicr_grid_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_encoder, || place::<Rle>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place::<Rle>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE.
@@ -143,7 +143,7 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_deflate(
     out_encoder: *mut *mut flicr_grid_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_encoder, || place::<DeflateDefault>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place::<DeflateDefault>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_SMALL.
@@ -155,7 +155,7 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_deflate_small(
     out_encoder: *mut *mut flicr_grid_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_encoder, || place::<DeflateSmall>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place::<DeflateSmall>(state, state_len, &read(config)?, result)) }
 }
 
 /// As flicr_grid_encoder_init_store, for FLICR_CODER_DEFLATE_DENSE.
@@ -167,7 +167,7 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_deflate_dense(
     out_encoder: *mut *mut flicr_grid_encoder,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_encoder, || place::<DeflateDense>(state, state_len, &read(config)?)) }
+    unsafe { deliver(out_encoder, |result| place::<DeflateDense>(state, state_len, &read(config)?, result)) }
 }
 
 /// Puts returns into the frame that is open: `count` records, `stride_bytes` apart, each starting with a flicr_return,
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn flicr_finish_returns(
     out_encoded: *mut flicr_encoded,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
-    unsafe { deliver(out_encoded, || finish(encoder, stamp, Output::new(out, out_len)?)) }
+    unsafe { deliver(out_encoded, |result| finish(encoder, stamp, Output::new(out, out_len)?, result)) }
 }
 
 /// Takes one UDP payload of the sensor. Where it ends a turn, FLICR_STATUS_OK: the turn's frame is at the front of
@@ -217,10 +217,10 @@ pub unsafe extern "C" fn flicr_push_packet(
     out_len: usize,
     out_turn: *mut flicr_turn,
 ) -> flicr_status {
-    let work = || {
+    let work = |result| {
         let (packet, out) = (Span::new(packet, packet_len)?, Output::new(out, out_len)?);
         // SAFETY: the caller's promises about the pointers.
-        unsafe { push(encoder, Some(packet), out) }
+        unsafe { push(encoder, Some(packet), out, result) }
     };
     // SAFETY: the caller's promise about `out_turn`.
     unsafe { deliver(out_turn, work) }
@@ -238,7 +238,7 @@ pub unsafe extern "C" fn flicr_finish_packets(
     out_turn: *mut flicr_turn,
 ) -> flicr_status {
     // SAFETY: the caller's promises about the pointers.
-    unsafe { deliver(out_turn, || push(encoder, None, Output::new(out, out_len)?)) }
+    unsafe { deliver(out_turn, |result| push(encoder, None, Output::new(out, out_len)?, result)) }
 }
 
 /// Says what became of the packets so far.
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn flicr_get_packet_stats(
     out_stats: *mut flicr_packet_stats,
 ) -> flicr_status {
     // SAFETY: the caller's promises about both pointers.
-    unsafe { deliver(out_stats, || Ok(parts(encoder, [Span::NONE; 2])?.head.turns.stats().into())) }
+    unsafe { deliver(out_stats, |result| Ok(parts(encoder, [result])?.head.turns.stats().into())) }
 }
 
 /// Where in an encoder's memory its parts are; the coder's state is at `FLICR_GRID_ENCODER_OVERHEAD`.
@@ -391,6 +391,7 @@ unsafe fn place<C: StartsAsZeros>(
     state: *mut c_void,
     state_len: usize,
     settings: &flicr_grid_config,
+    result: Span,
 ) -> Outcome<*mut flicr_grid_encoder> {
     const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN && size_of::<C>().is_multiple_of(align_of::<Beam>())) };
     let layout = Layout::new(size_of::<C>(), settings.columns, settings.beam_count, settings.level_bits)?;
@@ -400,9 +401,10 @@ unsafe fn place<C: StartsAsZeros>(
     if state_len < layout.len {
         return Err(flicr_status::StateTooSmall);
     }
+    check_apart(Span::new(state, layout.len)?, [result])?;
     if !settings.beams.is_null() {
         let beams = Span::new(settings.beams.cast(), settings.beam_count as usize * FLICR_BEAM_LEN)?;
-        check_apart(Span::new(state, layout.len)?, [beams, Span::NONE])?;
+        check_apart(Span::new(state, layout.len)?, [beams])?;
     }
     // SAFETY: the caller's promise; a count that is too large was found above.
     let still = unsafe { settings.still_beams()? };
@@ -460,7 +462,7 @@ struct Parts<'a> {
 /// # Safety
 /// `encoder` is null or points to memory that is large enough for a head, holds whatever `place` and the functions below
 /// have written, and is used by nobody else before the result's last use.
-unsafe fn parts<'a>(encoder: *mut flicr_grid_encoder, others: [Span; 2]) -> Outcome<Parts<'a>> {
+unsafe fn parts<'a, const N: usize>(encoder: *mut flicr_grid_encoder, others: [Span; N]) -> Outcome<Parts<'a>> {
     check_place(encoder)?;
     // SAFETY: neither null nor misaligned; a number may have any value.
     if unsafe { (&raw const (*encoder).magic).read() } != MAGIC {
@@ -480,7 +482,7 @@ unsafe fn parts<'a>(encoder: *mut flicr_grid_encoder, others: [Span; 2]) -> Outc
 unsafe fn insert(encoder: *mut flicr_grid_encoder, scan: Records) -> Outcome<()> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
-        let Parts { head, lent } = parts(encoder, [scan.span, Span::NONE])?;
+        let Parts { head, lent } = parts(encoder, [scan.span])?;
         let before = head.turns.frame_mut().tally().points;
         before.checked_add(scan.count).ok_or(flicr_status::TooManyPoints)?;
         (head.calls.insert)(head, lent.levels, scan);
@@ -490,20 +492,30 @@ unsafe fn insert(encoder: *mut flicr_grid_encoder, scan: Records) -> Outcome<()>
 
 /// # Safety
 /// As the header demands of `flicr_finish_returns`.
-unsafe fn finish(encoder: *mut flicr_grid_encoder, stamp: flicr_stamp, out: Output) -> Outcome<flicr_encoded> {
+unsafe fn finish(
+    encoder: *mut flicr_grid_encoder,
+    stamp: flicr_stamp,
+    out: Output,
+    result: Span,
+) -> Outcome<flicr_encoded> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
-        let Parts { head, lent } = parts(encoder, [Span::NONE, out.span])?;
+        let Parts { head, lent } = parts(encoder, [out.span, result])?;
         (head.calls.finish)(head, lent, stamp.into(), out.bytes())
     }
 }
 
 /// # Safety
 /// As the header demands of `flicr_push_packet`.
-unsafe fn push(encoder: *mut flicr_grid_encoder, packet: Option<Span>, out: Output) -> Outcome<flicr_turn> {
+unsafe fn push(
+    encoder: *mut flicr_grid_encoder,
+    packet: Option<Span>,
+    out: Output,
+    result: Span,
+) -> Outcome<flicr_turn> {
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
-        let Parts { head, lent } = parts(encoder, [packet.unwrap_or(Span::NONE), out.span])?;
+        let Parts { head, lent } = parts(encoder, [packet.unwrap_or(Span::NONE), out.span, result])?;
         if !head.has_packets {
             return Err(flicr_status::Sensor);
         }

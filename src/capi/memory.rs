@@ -14,13 +14,14 @@ pub(super) fn code(outcome: Outcome<()>) -> flicr_status {
     outcome.err().unwrap_or(flicr_status::Ok)
 }
 
-/// Checks where the result is to go, does the work, and writes the result if there is one.
+/// Checks where the result is to go, does the work, and writes the result if there is one. The work is told where that
+/// is: what it reads or writes must be apart from it.
 ///
 /// # Safety
 /// `out` is null or may be written to.
-pub(super) unsafe fn deliver<T>(out: *mut T, work: impl FnOnce() -> Outcome<T>) -> flicr_status {
+pub(super) unsafe fn deliver<T>(out: *mut T, work: impl FnOnce(Span) -> Outcome<T>) -> flicr_status {
     code(check_place(out).and_then(|()| {
-        let result = work()?;
+        let result = work(Span { start: out.cast(), len: size_of::<T>() })?;
         // SAFETY: neither null nor misaligned, and the caller's promise.
         unsafe { out.write(result) };
         Ok(())
@@ -104,8 +105,14 @@ impl Span {
     }
 }
 
-pub(super) fn check_apart(memory: Span, [a, b]: [Span; 2]) -> Outcome<()> {
-    let apart = memory.is_apart(&a) && memory.is_apart(&b) && a.is_apart(&b);
+/// Checks that no two of the spans share a byte.
+pub(super) fn check_apart<const N: usize>(memory: Span, others: [Span; N]) -> Outcome<()> {
+    let mut apart = true;
+    let mut rest = others.as_slice();
+    while let Some((one, behind)) = rest.split_first() {
+        apart &= memory.is_apart(one) && behind.iter().all(|other| one.is_apart(other));
+        rest = behind;
+    }
     if apart { Ok(()) } else { Err(flicr_status::Overlap) }
 }
 

@@ -131,7 +131,7 @@ pub unsafe extern "C" fn flicr_grid_config_init(
     out_config: *mut flicr_grid_config,
 ) -> flicr_status {
     // SAFETY: the caller's promise about `out_config`.
-    unsafe { deliver(out_config, || grid_config(sensor, columns)) }
+    unsafe { deliver(out_config, |_| grid_config(sensor, columns)) }
 }
 
 fn grid_config(sensor: SensorCode, columns: u32) -> Outcome<flicr_grid_config> {

@@ -19,7 +19,7 @@ pub enum flicr_status {
     StateTooSmall = 3,
     /// The memory holds no encoder: no flicr_encoder_init_... has been called, or something wrote over it.
     NotInitialized = 4,
-    /// Points, output and encoder share memory.
+    /// Points, output, encoder and the place of the result share memory.
     Overlap = 5,
     /// A preset that is not in flicr_preset.
     Preset = 6,
@@ -108,7 +108,7 @@ impl flicr_status {
         (Self::Misaligned, c"a pointer is not aligned for what it points to"),
         (Self::StateTooSmall, c"the memory for the encoder is too small: FLICR_ENCODER_SIZE says what it takes"),
         (Self::NotInitialized, c"the memory holds no encoder: the functions flicr_encoder_init_... make one"),
-        (Self::Overlap, c"points, output and encoder share memory"),
+        (Self::Overlap, c"points, output, encoder and the place of the result share memory"),
         (Self::Preset, c"no such preset"),
         (Self::Size, c"rows and columns must be 1 to 65535 each, with at most 2^30 pixels"),
         (Self::LevelBits, c"level bits must be 1 to 8, on a grid 1 to 16"),
