@@ -13,12 +13,6 @@ pub(crate) struct Sphere {
     columns: Vec<Azimuth>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct SinCos {
-    sin: f32,
-    cos: f32,
-}
-
 /// A column's azimuth: what x, y and z of a row are multiplied by, and nothing to make it a vector.
 pub(crate) type Azimuth = [f32; 4];
 
@@ -56,21 +50,14 @@ impl Sphere {
 }
 
 fn azimuth(angle_rad: f64) -> Azimuth {
-    let SinCos { sin, cos } = SinCos::of(angle_rad);
-    [cos, sin, 1.0, 0.0]
-}
-
-impl SinCos {
-    fn of(angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(angle_rad);
-        Self { sin: sin as f32, cos: cos as f32 }
-    }
+    let (sin, cos) = libm::sincos(angle_rad);
+    [cos as f32, sin as f32, 1.0, 0.0]
 }
 
 impl Elevation {
     fn of(angle_rad: f64) -> Self {
-        let SinCos { sin, cos } = SinCos::of(angle_rad);
-        Self([cos, cos, sin, 0.0])
+        let (sin, cos) = libm::sincos(angle_rad);
+        Self([cos as f32, cos as f32, sin as f32, 0.0])
     }
 
     /// The point at `range_m` meters in a column: x, y, z and a zero.
