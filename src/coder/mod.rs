@@ -1,12 +1,14 @@
 //! Lossless coders of a range image's levels. Forward and inverse of each stand side by side in one file.
 
 pub(crate) mod bits;
+pub(crate) mod context;
 pub(crate) mod deflate;
 #[cfg(feature = "std")]
 pub(crate) mod inflate;
 pub(crate) mod rle;
 pub(crate) mod store;
 
+pub use context::Step;
 pub use deflate::{Deflate, DeflateDefault, DeflateDense, DeflateSmall};
 pub use rle::Rle;
 pub use store::Store;
