@@ -1,7 +1,7 @@
 //! Lossless coders of a range image's levels. Forward and inverse of each stand side by side in one file.
 
 pub(crate) mod bits;
-pub(crate) mod context;
+pub mod context;
 pub(crate) mod deflate;
 #[cfg(feature = "std")]
 pub(crate) mod inflate;
