@@ -897,6 +897,7 @@ impl From<ConfigError> for flicr_status {
             // The sensors' own grids are not in the C ABI; of their errors, all are about what does not fit the image.
             ConfigError::Size { .. }
             | ConfigError::ImageSize { .. }
+            | ConfigError::CoderRows { .. }
             | ConfigError::Beams { .. }
             | ConfigError::Beam { .. }
             | ConfigError::Ticks { .. }

@@ -4,7 +4,7 @@ use crate::coder::{Coder, CoderId};
 use crate::config::{Config, LatticeConfig, Settings, quantizer};
 use crate::error::{ConfigError, EncodeError};
 use crate::fit::GridFit;
-use crate::frame::{self, Header};
+use crate::frame::{self, GeometryFields, Header};
 use crate::geometry::{OnRows, Projection};
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
 use crate::insert::{farthest_m, insert};
@@ -196,7 +196,7 @@ impl<'a, L: Level, C: Coder<L>, S: Settings> FrameEncoder<'a, L, C, S> {
     /// Codes the image and writes the frame to the front of `out`.
     ///
     /// # Errors
-    /// [`EncodeError::OutputTooSmall`]; nothing in `out` is a frame then.
+    /// [`EncodeError::OutputTooSmall`]; [`ConfigError::CoderRows`]. Nothing in `out` is a frame then.
     pub fn finish(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
         self.frame.finish(self.image.as_view(), self.coder, out)
     }
@@ -301,14 +301,18 @@ impl<S: Settings> OpenFrame<S> {
         coder: &mut C,
         out: &mut [u8],
     ) -> Result<Encoded, EncodeError> {
-        let (header, have) = (self.header(C::ID), out.len());
+        let found = image.rows();
+        if found > C::ROWS_MAX {
+            return Err(ConfigError::CoderRows { found, max: C::ROWS_MAX }.into());
+        }
+        let (header, have) = (self.header(C::ID, coder.error_max()), out.len());
         let worst_case = frame::worst_case_len::<L, C>(image.levels().len()) + header.more_than_uniform();
         let len = frame::write(header, image, coder, out);
         let len = len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?;
-        Ok(Encoded { len, tally: self.tally, range_bound_m: self.quantizer.range_bound_m(), fit: self.fit.into() })
+        Ok(Encoded { len, tally: self.tally, range_bound_m: header.range_bound_m(), fit: self.fit.into() })
     }
 
-    fn header(&self, coder: CoderId) -> Header<S::Fields> {
+    fn header(&self, coder: CoderId, error_max: u16) -> Header<S::Fields> {
         Header {
             sequence: self.stamp.sequence,
             timestamp_ns: self.stamp.timestamp_ns,
@@ -316,8 +320,9 @@ impl<S: Settings> OpenFrame<S> {
             columns: self.projection.columns(),
             quantizer: self.quantizer,
             coder,
+            error_max,
             returns: self.tally.returns(),
-            geometry: self.config.fields(&self.fit),
+            geometry: self.config.fields(&self.fit).off_by(f32::from(error_max) * self.quantizer.step_m()),
         }
     }
 }

@@ -77,7 +77,8 @@ pub mod sensor;
 pub mod simulate;
 
 pub use coder::{
-    Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
+    Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, Dense, OutputFull, Rle, Small, Store,
+    WorstCase,
 };
 pub use config::{Config, LatticeConfig, Scale, Settings};
 pub use encoder::{Encoded, Encoder, FrameEncoder, Stamp, encode};

@@ -50,6 +50,9 @@ impl Beam {
         self.ages >> 4
     }
 
+    /// All zeros: memory that has yet to be set up.
+    const BLANK: Self = Self { energy: 0, ..Self::NEW };
+
     /// Takes in a pixel: its residual against `predicted`, and the level that makes.
     #[inline(always)]
     pub(crate) fn update(&mut self, residual: i32, predicted: u16, level: u16, filter: &Filter) {
@@ -132,6 +135,10 @@ pub(crate) struct Beams<const GROUPS: usize> {
 }
 
 impl<const GROUPS: usize> Beams<GROUPS> {
+    /// All zeros: memory that has yet to be set up.
+    pub(crate) const BLANK: Self =
+        Self { beams: [[Beam::BLANK; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] };
+
     /// Beams that have not been seen.
     pub(crate) const fn new() -> Self {
         Self { beams: [[Beam::NEW; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] }

@@ -53,7 +53,7 @@ const MANTISSA_SIDES: usize = MANTISSA + 4 * EXPONENTS;
 pub(crate) const LOGITS: usize = MANTISSA_SIDES + 3 * 3 * 3 * 4;
 
 /// Logits before anything was coded, in 1/16 nats.
-pub(crate) static PRIORS: [i8; LOGITS] = *super::priors::DENSE;
+pub(crate) static PRIORS: [i8; LOGITS] = super::priors::DENSE;
 
 /// Ages in eight classes.
 const AGE_CLASSES: [u8; 16] = [0, 1, 2, 3, 3, 4, 4, 5, 5, 5, 6, 6, 6, 6, 6, 7];
@@ -93,7 +93,7 @@ const fn exp(x: f64) -> f64 {
 
 /// The logits and how fast they learn.
 #[derive(Debug, Clone)]
-pub(crate) struct DenseModel {
+pub struct DenseModel {
     /// 1/4096 nats.
     pub(crate) logits: [i16; LOGITS],
     /// 2^16 / step, for distances in steps without a division.

@@ -63,8 +63,6 @@ impl SetSurroundings {
 pub(crate) struct CalmSurroundings {
     /// Sum of the energies of those that are returns.
     pub(crate) energy: u32,
-    /// Sum of their ages.
-    pub(crate) age: u32,
     /// How many they are, 2 to 4.
     pub(crate) returns: u32,
     /// Whether the rows above were active; `None` where they had no flag.

@@ -111,9 +111,9 @@ impl Walk {
 
     /// A few rows, of which `set` are returns.
     #[inline(always)]
-    fn rows<const GROUPS: usize>(
+    fn rows<M: Model, const GROUPS: usize>(
         &self,
-        model: &mut impl Model,
+        model: &mut M,
         beams: &mut Beams<GROUPS>,
         coder: &mut impl BinaryCoder,
         down: &mut Down,
@@ -127,7 +127,9 @@ impl Walk {
             return;
         }
         let mut flag = Flag::None;
-        if let Some(at) = calm(model, beams, active_above, first, set) {
+        // What a median predicts is known only when the rows above are.
+        let may_be_calm = self.predictor == Predictor::West && M::CALM_ENERGY > 0;
+        if let Some(at) = calm(beams, may_be_calm.then_some(M::CALM_ENERGY), active_above, (first, set)) {
             let is_active = |(row, &level): (usize, &u16)| {
                 level != 0 && self.step.residual(level, beams.get(first + row).predicted) != 0
             };
@@ -213,18 +215,15 @@ fn median_edge(west: u16, north: u16, north_west: u16) -> u16 {
 /// What surrounds the flag of a few rows; `None` where they have none: those that are not calm, and those that would
 /// not be predicted from themselves.
 #[inline(always)]
-fn calm<M: Model, const GROUPS: usize>(
-    _: &M,
+fn calm<const GROUPS: usize>(
     beams: &Beams<GROUPS>,
+    most_energy: Option<u32>,
     active_above: Option<bool>,
-    first: usize,
-    set: u8,
+    (first, set): (usize, u8),
 ) -> Option<CalmSurroundings> {
     let returns = set.count_ones();
-    if M::CALM_ENERGY == 0 || returns < 2 {
-        return None;
-    }
-    let (mut energy, mut age) = (0, 0);
+    let most_energy = most_energy.filter(|_| returns >= 2)?;
+    let mut energy = 0;
     for row in 0..CALM_ROWS {
         let beam = beams.get(first + row);
         if set >> row & 1 == 1 {
@@ -232,14 +231,12 @@ fn calm<M: Model, const GROUPS: usize>(
                 return None;
             }
             energy += u32::from(beam.energy);
-            age += u32::from(beam.age());
         }
     }
-    let calm = energy < M::CALM_ENERGY * returns;
+    let calm = energy < most_energy * returns;
     let moved = |row: usize| beams.get(row).size != 0;
     calm.then(|| CalmSurroundings {
         energy,
-        age,
         returns,
         active_above,
         north: moved(first.wrapping_sub(1)),
