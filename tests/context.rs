@@ -68,7 +68,7 @@ fn scenery(rows: usize, columns: usize, noise: u16, seed: u64) -> Vec<u16> {
     let mut state = seed | 1;
     let mut random = move |below: u16| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 40) * u64::from(below) >> 24) as u16
+        (((state >> 40) * u64::from(below)) >> 24) as u16
     };
     let mut range = 5000_u16;
     let mut pixels = vec![0; rows * columns];
@@ -227,7 +227,7 @@ const GOLDEN: [(u16, [(usize, u32); 2]); 4] = [
 #[test]
 fn simulated_scan_gives_the_same_bytes_as_ever() {
     let turn = Simulator::hdl64e(1).next().unwrap();
-    let points: Vec<[f32; 4]> = turn.kitti_bytes().as_chunks::<16>().0.iter().map(|b| bytemuck_point(b)).collect();
+    let points: Vec<[f32; 4]> = turn.kitti_bytes().as_chunks::<16>().0.iter().map(point_of).collect();
     let lattice = Lattice::<66>::new(hdl64e::GRID, 4000).unwrap();
     let config = LatticeConfig { measure: true, ..LatticeConfig::new(&lattice) };
     let mut pixels = vec![0_u16; 64 * 4000];
@@ -242,7 +242,7 @@ fn simulated_scan_gives_the_same_bytes_as_ever() {
     assert_eq!(found, GOLDEN);
 }
 
-fn bytemuck_point(bytes: &[u8; 16]) -> [f32; 4] {
+fn point_of(bytes: &[u8; 16]) -> [f32; 4] {
     [0, 4, 8, 12].map(|at| f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]))
 }
 

@@ -52,10 +52,10 @@ impl Firings {
         let mut aligned = vec![0; ROWS * columns];
         for (row, &shift) in shifts.iter().enumerate() {
             // Beams fire together but look apart: moved back by as many firings as their shift takes.
-            let apart = (shift as f64 - SHIFT_MAX as f64) * columns as f64 / TICKS as f64;
-            let back = apart.round() as i64;
+            let ahead = (2 * SHIFT_MAX - shift) as f64 - SHIFT_MAX as f64;
+            let ahead = (ahead * columns as f64 / TICKS as f64 + columns as f64).round() as usize;
             for column in 0..columns {
-                let firing = (column as i64 - back).rem_euclid(columns as i64) as usize;
+                let firing = (column + ahead) % columns;
                 aligned[row * columns + column] = levels[row * TICKS + tick_of(firings[firing], shift)];
             }
         }

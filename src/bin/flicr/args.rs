@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use flicr::coder::{ContextSettings, Step};
 use flicr::{Config, Scale};
 
 use crate::failure::Failure;
@@ -70,7 +71,16 @@ pub struct FrameArgs {
     /// What codes the range image, without loss
     #[arg(long, value_enum, default_value_t = CoderName::Deflate)]
     pub coder: CoderName,
+    /// Which of the context coders
+    #[arg(long, value_enum, default_value_t = Tier::Dense)]
+    pub tier: Tier,
+    /// With '--coder context': keep ranges in steps of so much, each at most 0.6 steps off. Levels are 2 mm apart then
+    #[arg(long, value_name = "METERS", value_parser = meters, conflicts_with_all = ["bits", "max_range"])]
+    pub step: Option<f32>,
 }
+
+/// Levels of `--step`, meters: as finely as KITTI's sensor counts.
+const FINE_LEVEL_M: f32 = 0.002;
 
 /// Columns of `encode` and `view`.
 #[derive(Debug, Clone, Copy, Args)]
@@ -88,8 +98,25 @@ impl FrameArgs {
             Preset::Paper => Config::PAPER,
             Preset::Uniform => Config::UNIFORM,
         };
+        if self.step.is_some() {
+            return Config { level_bits: 16, scale: Scale::Step { step_m: FINE_LEVEL_M }, ..preset };
+        }
         let scale = self.max_range.map_or(preset.scale, |max_range_m| Scale::Fixed { max_range_m });
         Config { level_bits: self.bits, scale, ..preset }
+    }
+
+    /// What the context coders are to do.
+    pub fn context(&self) -> Result<ContextSettings, Failure> {
+        let Some(step_m) = self.step else { return Ok(ContextSettings::COARSE) };
+        if self.coder != CoderName::Context {
+            return Err(Failure::Usage(
+                "--step needs '--coder context': the other coders keep levels as they are".into(),
+            ));
+        }
+        let levels = (step_m / FINE_LEVEL_M).round().max(1.0);
+        let step = (levels <= f32::from(u16::MAX)).then_some(levels as u16).and_then(Step::new);
+        let step = step.ok_or_else(|| Failure::Usage(format!("--step {step_m}: expected at most 131 m")))?;
+        Ok(ContextSettings::FINE.with_step(step))
     }
 }
 
@@ -107,8 +134,18 @@ pub enum CoderName {
     Rle,
     /// LZ77 and Huffman codes, as in zip: the smallest
     Deflate,
+    /// Made for range images: by far the smallest, and with '--step' the choice between size and error
+    Context,
     /// No coding
     Store,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tier {
+    /// The fewest bytes
+    Dense,
+    /// For microcontrollers: a third of the memory and time, 5 to 20 % more bytes
+    Small,
 }
 
 /// The word by which the command line and JSON know a value.

@@ -1,12 +1,12 @@
 //! The library's encoder and decoder, with level type and coder chosen at run time.
 
-use flicr::coder::{Coder, WorstCase};
+use flicr::coder::{Coder, ContextSettings, WorstCase};
 use flicr::{
-    Config, DeflateDefault, EncodeError, Encoded, ImageViewMut, Level, Levels, Limits, Quantizer, Rle, Scale, Stamp,
-    Store, UniformGrid, encode,
+    Config, DeflateDefault, Dense, EncodeError, Encoded, ImageViewMut, Level, Levels, Limits, Quantizer, Rle, Scale,
+    Small, Stamp, Store, UniformGrid, encode,
 };
 
-use crate::args::{CoderName, FrameArgs};
+use crate::args::{CoderName, FrameArgs, Tier};
 use crate::failure::Failure;
 
 /// Encodes scans as the command line asks, with memory for one frame.
@@ -22,8 +22,13 @@ pub struct Codec {
 enum AnyCoder {
     Rle(Rle),
     Deflate(Box<DeflateDefault>),
+    Small(Box<Small<GROUPS>>),
+    Dense(Box<Dense<GROUPS>>),
     Store(Store),
 }
+
+/// Room for 1024 rows, as many as context coders can have.
+const GROUPS: usize = 128;
 
 impl Codec {
     /// Memory for frames of `columns` columns.
@@ -32,8 +37,8 @@ impl Codec {
         check(&config, args.rows, columns).map_err(|error| Failure::Usage(error.to_string()))?;
         let pixels = usize::from(args.rows) * usize::from(columns);
         check_pixels(pixels)?;
-        let coder = AnyCoder::new(args.coder);
-        let (levels, worst_case) = if args.bits <= u8::BITS {
+        let coder = AnyCoder::new(args.coder, args.tier, args.context()?);
+        let (levels, worst_case) = if config.level_bits <= u8::BITS {
             (Levels::U8(vec![0; pixels]), coder.worst_case::<u8>())
         } else {
             (Levels::U16(vec![0; pixels]), coder.worst_case::<u16>())
@@ -84,8 +89,12 @@ fn check_pixels(pixels: usize) -> Result<(), Failure> {
 }
 
 impl AnyCoder {
-    fn new(name: CoderName) -> Self {
+    fn new(name: CoderName, tier: Tier, settings: ContextSettings) -> Self {
         match name {
+            CoderName::Context => match tier {
+                Tier::Small => Self::Small(Box::new(Small::<GROUPS>::new(settings))),
+                Tier::Dense => Self::Dense(Box::new(Dense::<GROUPS>::new(settings))),
+            },
             CoderName::Rle => Self::Rle(Rle::new()),
             CoderName::Deflate => Self::Deflate(Box::new(DeflateDefault::new())),
             CoderName::Store => Self::Store(Store::new()),
@@ -99,6 +108,8 @@ impl AnyCoder {
         match self {
             Self::Rle(_) => <Rle as Coder<L>>::WORST_CASE,
             Self::Deflate(_) => <DeflateDefault as Coder<L>>::WORST_CASE,
+            Self::Small(_) => <Small<GROUPS> as Coder<L>>::WORST_CASE,
+            Self::Dense(_) => <Dense<GROUPS> as Coder<L>>::WORST_CASE,
             Self::Store(_) => <Store as Coder<L>>::WORST_CASE,
         }
     }
@@ -119,6 +130,8 @@ impl AnyCoder {
         match self {
             Self::Rle(coder) => encode(config, points, stamp, image, coder, out),
             Self::Deflate(coder) => encode(config, points, stamp, image, coder.as_mut(), out),
+            Self::Small(coder) => encode(config, points, stamp, image, coder.as_mut(), out),
+            Self::Dense(coder) => encode(config, points, stamp, image, coder.as_mut(), out),
             Self::Store(coder) => encode(config, points, stamp, image, coder, out),
         }
     }

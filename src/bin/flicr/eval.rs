@@ -64,7 +64,7 @@ impl Eval {
             }
         }
         bar.finish_and_clear();
-        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all, self.frame.bits)) }
+        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all, self.frame.config().level_bits)) }
     }
 
     /// One for each number of columns, those that are asked for twice once.

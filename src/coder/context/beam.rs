@@ -109,7 +109,7 @@ impl Filter {
             16
         };
         let edge = if noise / step < 2 { 2 } else { noise / step };
-        Self { gain, edge, least_slope: if is_fine { Some(step as i32) } else { None } }
+        Self { gain, edge, least_slope: if is_fine { Some(step.cast_signed()) } else { None } }
     }
 
     #[inline(always)]
@@ -127,7 +127,7 @@ impl Filter {
 /// The beams of an image of up to `8 * GROUPS` rows, and which of the last three columns' pixels were returns.
 #[derive(Debug, Clone)]
 pub(crate) struct Beams<const GROUPS: usize> {
-    beams: [[Beam; GROUP_ROWS]; GROUPS],
+    rows: [[Beam; GROUP_ROWS]; GROUPS],
     /// By group, the sets of returns of the last three columns, the last one first.
     pub(crate) sets: [[u8; 3]; GROUPS],
     /// By group, whether its set was that of the column before: bit 0 for the last column, bit 1 for the one before.
@@ -137,28 +137,28 @@ pub(crate) struct Beams<const GROUPS: usize> {
 impl<const GROUPS: usize> Beams<GROUPS> {
     /// All zeros: memory that has yet to be set up.
     pub(crate) const BLANK: Self =
-        Self { beams: [[Beam::BLANK; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] };
+        Self { rows: [[Beam::BLANK; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] };
 
     /// Beams that have not been seen.
     pub(crate) const fn new() -> Self {
-        Self { beams: [[Beam::NEW; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] }
+        Self { rows: [[Beam::NEW; GROUP_ROWS]; GROUPS], sets: [[0; 3]; GROUPS], same: [0; GROUPS] }
     }
 
     /// A row's beam; one that was never seen beyond the edges.
     #[inline(always)]
     pub(crate) fn get(&self, row: usize) -> Beam {
-        self.beams.as_flattened().get(row).copied().unwrap_or(Beam::NEW)
+        self.rows.as_flattened().get(row).copied().unwrap_or(Beam::NEW)
     }
 
     /// A row's beam, to change; `None` beyond the edges.
     #[inline(always)]
     pub(crate) fn get_mut(&mut self, row: usize) -> Option<&mut Beam> {
-        self.beams.as_flattened_mut().get_mut(row)
+        self.rows.as_flattened_mut().get_mut(row)
     }
 
     /// Largest energy of a group's beams.
     pub(crate) fn energy(&self, group: usize) -> u16 {
-        self.beams.get(group).map_or(0, |beams| beams.iter().map(|beam| beam.energy).fold(0, u16::max))
+        self.rows.get(group).map_or(0, |beams| beams.iter().map(|beam| beam.energy).fold(0, u16::max))
     }
 
     /// Sets of a group; empty ones beyond the edges.

@@ -32,7 +32,7 @@ pub(crate) fn decode<L: Level>(
         return store::decode(rest, levels);
     }
     let (prefix, code) = payload.split_first_chunk().ok_or(PayloadFault::TooShort)?;
-    let (settings, max_level) = parse(prefix, allowed)?;
+    let (settings, max_level) = parse(*prefix, allowed)?;
     let columns = levels.len().checked_div(rows).unwrap_or(0);
     let image = ImageViewMut::new(levels, columns).ok_or(PayloadFault::Malformed)?;
     let strip = Strip { settings, max_level, code };
@@ -43,8 +43,8 @@ pub(crate) fn decode<L: Level>(
     }
 }
 
-fn parse(prefix: &[u8; PREFIX_LEN], allowed: Allowed) -> Result<(ContextSettings, u16), PayloadFault> {
-    let [kind, noise, s0, s1, m0, m1] = *prefix;
+fn parse(prefix: [u8; PREFIX_LEN], allowed: Allowed) -> Result<(ContextSettings, u16), PayloadFault> {
+    let [kind, noise, s0, s1, m0, m1] = prefix;
     let (levels, max_level) = (u16::from_le_bytes([s0, s1]), u16::from_le_bytes([m0, m1]));
     let has_dead_zone = kind & DEAD_ZONE_FLAG != 0;
     let step = if has_dead_zone { Step::new(levels) } else { Step::exact(levels) };
@@ -85,7 +85,7 @@ impl Strip<'_> {
         mut image: ImageViewMut<'_, L>,
     ) -> Result<(), PayloadFault> {
         let mut model = M::NEW;
-        model.start(&self.settings);
+        model.start(self.settings);
         let mut beams = Beams::<GROUPS>::new();
         let walk = self.settings.walk(image.as_view().rows(), self.max_level);
         let mut coder = RangeDecoder::new(self.code);

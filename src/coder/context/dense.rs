@@ -242,7 +242,7 @@ impl Model for DenseModel {
         let others = [pixel.north, pixel.south_west, pixel.other].map(|apart| apart.steps(is_negative));
         let distance = residual.unsigned_abs().max(1);
         let exponent = self.exponent(coder, &pixel, others, distance.ilog2() as usize);
-        let distance = self.mantissa(coder, exponent, others, distance) as i32;
+        let distance = self.mantissa(coder, exponent, others, distance).cast_signed();
         if is_negative { -distance } else { distance }
     }
 }

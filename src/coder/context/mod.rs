@@ -40,6 +40,7 @@ use walk::{Model, Walk};
 const PREFIX_LEN: usize = 6;
 /// Tier of a payload whose levels stand as they are, for they would not get shorter.
 const STORED: u8 = 3;
+#[cfg(feature = "std")]
 const TIER_MASK: u8 = 3;
 const MEDIAN_EDGE_FLAG: u8 = 4;
 const DEAD_ZONE_FLAG: u8 = 8;
@@ -76,12 +77,12 @@ impl ContextSettings {
         Self { step, ..self }
     }
 
-    fn walk(&self, rows: usize, max_level: u16) -> Walk {
-        let Self { step, noise, predictor } = *self;
+    fn walk(self, rows: usize, max_level: u16) -> Walk {
+        let Self { step, noise, predictor } = self;
         Walk { step, filter: Filter::new(step, noise), predictor, rows, max_level }
     }
 
-    fn prefix(&self, tier: u8, max_level: u16) -> [u8; PREFIX_LEN] {
+    fn prefix(self, tier: u8, max_level: u16) -> [u8; PREFIX_LEN] {
         let median_edge = if self.predictor == Predictor::MedianEdge { MEDIAN_EDGE_FLAG } else { 0 };
         let dead_zone = if self.step.has_dead_zone() { DEAD_ZONE_FLAG } else { 0 };
         let ([s0, s1], [m0, m1]) = (self.step.levels().to_le_bytes(), max_level.to_le_bytes());
@@ -130,14 +131,14 @@ trait Tier: Model {
     const NEW: Self;
 
     /// Forgets all but the priors.
-    fn start(&mut self, settings: &ContextSettings);
+    fn start(&mut self, settings: ContextSettings);
 }
 
 impl Tier for SmallModel {
     const TIER: u8 = 0;
     const NEW: Self = Self::new();
 
-    fn start(&mut self, settings: &ContextSettings) {
+    fn start(&mut self, settings: ContextSettings) {
         self.start(settings.step, settings.noise);
     }
 }
@@ -146,7 +147,7 @@ impl Tier for DenseModel {
     const TIER: u8 = 1;
     const NEW: Self = Self::new();
 
-    fn start(&mut self, settings: &ContextSettings) {
+    fn start(&mut self, settings: ContextSettings) {
         self.start(settings.step, settings.noise);
     }
 }
@@ -187,7 +188,7 @@ impl<M: Tier, const GROUPS: usize> ContextCoder<M, GROUPS> {
         let max_level = image.levels().iter().max().map_or(1, |level| level.get().max(1));
         let (prefix, code) = out.split_first_chunk_mut()?;
         *prefix = self.settings.prefix(M::TIER, max_level);
-        self.model.start(&self.settings);
+        self.model.start(self.settings);
         self.beams = Beams::new();
         let walk = self.settings.walk(image.rows(), max_level);
         let mut coder = RangeEncoder::new(code);

@@ -124,7 +124,7 @@ impl Model for SmallModel {
         let is_negative = self.decide(coder, NOISY, SIGN + signs * 3 + side, residual < 0);
         let distance = residual.unsigned_abs().max(1);
         let exponent = self.exponent(coder, energy, distance.ilog2() as usize);
-        let distance = self.mantissa(coder, exponent, distance) as i32;
+        let distance = self.mantissa(coder, exponent, distance).cast_signed();
         if is_negative { -distance } else { distance }
     }
 }

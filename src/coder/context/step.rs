@@ -62,7 +62,7 @@ impl Step {
             return 0;
         }
         let steps = if self.levels == 1 { distance } else { (distance + self.levels as u32 / 2) / self.levels as u32 };
-        if off < 0 { -(steps as i32) } else { steps as i32 }
+        if off < 0 { -steps.cast_signed() } else { steps.cast_signed() }
     }
 
     /// The level that is `residual` steps from `predicted`, or the nearest that there is. Residuals of up to 16 bits.

@@ -36,6 +36,7 @@ impl GroupSurroundings {
 
 /// Around a pixel of a set of returns: which of the pixels near it are returns.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "pixels are returns or not")]
 pub(crate) struct SetSurroundings {
     pub(crate) west: bool,
     pub(crate) west2: bool,

@@ -19,7 +19,7 @@ pub trait Learner: Model {
     /// One that knows nothing.
     fn ignorant() -> Self;
     /// Makes ready for a step; each `slower` halves the rate of learning.
-    fn set(&mut self, settings: &ContextSettings, slower: u8);
+    fn set(&mut self, settings: ContextSettings, slower: u8);
     /// What it knows.
     fn values(&self) -> Vec<i32>;
     /// A mean of values as a prior.
@@ -38,7 +38,7 @@ impl Learner for SmallModel {
         model
     }
 
-    fn set(&mut self, settings: &ContextSettings, slower: u8) {
+    fn set(&mut self, settings: ContextSettings, slower: u8) {
         self.prepare(settings.step, settings.noise);
         self.rates = [5 + slower; 2];
     }
@@ -59,7 +59,7 @@ impl Learner for DenseModel {
         model
     }
 
-    fn set(&mut self, settings: &ContextSettings, slower: u8) {
+    fn set(&mut self, settings: ContextSettings, slower: u8) {
         self.prepare(settings.step, settings.noise);
         self.rates = [8 + slower; 2];
     }
@@ -98,7 +98,7 @@ pub fn train<M: Learner>(images: &[ImageView<'_, u16>], steps: &[u16]) -> Vec<i3
 
 fn learn<M: Learner>(model: &mut M, image: ImageView<'_, u16>, step: Step, slower: u8, out: &mut [u8]) {
     let settings = ContextSettings::FINE.with_step(step);
-    model.set(&settings, slower);
+    model.set(settings, slower);
     let (mut beams, mut column) = (Beams::<8>::new(), Column::new());
     let walk = settings.walk(image.rows(), u16::MAX);
     let mut coder = RangeEncoder::new(out);
