@@ -226,8 +226,7 @@ const GOLDEN: [(u16, [(usize, u32); 2]); 4] = [
 
 #[test]
 fn simulated_scan_gives_the_same_bytes_as_ever() {
-    let turn = Simulator::hdl64e(1).next().unwrap();
-    let points: Vec<[f32; 4]> = turn.kitti_bytes().as_chunks::<16>().0.iter().map(point_of).collect();
+    let points = simulated();
     let lattice = Lattice::<66>::new(hdl64e::GRID, 4000).unwrap();
     let config = LatticeConfig { measure: true, ..LatticeConfig::new(&lattice) };
     let mut pixels = vec![0_u16; 64 * 4000];
@@ -240,6 +239,11 @@ fn simulated_scan_gives_the_same_bytes_as_ever() {
         (step, frames.map(|frame| (frame.len(), crc32(&frame[..frame.len() - 4]))))
     });
     assert_eq!(found, GOLDEN);
+}
+
+fn simulated() -> Vec<[f32; 4]> {
+    let turn = Simulator::hdl64e(1).next().unwrap();
+    turn.kitti_bytes().as_chunks::<16>().0.iter().map(point_of).collect()
 }
 
 fn point_of(bytes: &[u8; 16]) -> [f32; 4] {
@@ -268,4 +272,47 @@ fn encode_scan<C: Coder<u16>>(
     let quality = flicr::metrics::compare(&returns, &frame.points(), 80.0).unwrap();
     assert!(quality.max_error_m <= f64::from(beams.point_bound_m), "{} > {}", quality.max_error_m, beams.point_bound_m);
     assert!(beams.point_bound_m < header.range_bound_m() + 0.002);
+}
+
+/// What the decoder written from FORMAT.md alone makes of a frame; `None` where there is no Python.
+fn decoded_by_python(name: &str, frame: &[u8]) -> Option<Vec<u16>> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, frame).unwrap();
+    let mut python = std::process::Command::new("python3");
+    let python = python.arg(root.join("tests/reference/context_decoder.py")).arg(&path);
+    let Ok(output) = python.arg(root.join("src/coder/context/priors.rs")).output() else {
+        println!("skipped: no python3");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(output.stdout.as_chunks::<2>().0.iter().map(|bytes| u16::from_le_bytes(*bytes)).collect())
+}
+
+fn check_with_python(name: &str, frame: &[u8]) {
+    let Some(found) = decoded_by_python(name, frame) else { return };
+    let mut decoder = Decoder::default();
+    assert!(found == levels(decoder.decode(frame).unwrap().levels()), "{name} differs");
+}
+
+#[test]
+fn the_format_is_described_completely() {
+    let step = |levels| Step::new(levels).unwrap();
+    let coarse = ContextSettings { predictor: Predictor::MedianEdge, ..ContextSettings::COARSE.with_step(step(30)) };
+    let cases = [ContextSettings::FINE, ContextSettings::FINE.with_step(step(7)), coarse];
+    for (number, settings) in cases.into_iter().enumerate() {
+        let pixels = scenery(69, 60, 40, 11);
+        let frames = tiers(ImageView::new(&pixels, 60).unwrap(), settings);
+        frames.iter().zip(["small", "dense"]).for_each(|(frame, tier)| {
+            check_with_python(&format!("context-{tier}-{number}.flicr"), frame);
+        });
+    }
+    let lattice = Lattice::<66>::new(hdl64e::GRID, 4000).unwrap();
+    let (config, mut pixels) = (LatticeConfig { measure: true, ..LatticeConfig::new(&lattice) }, vec![0; 64 * 4000]);
+    let settings = ContextSettings::FINE.with_step(step(157));
+    let (mut small, mut dense) = (vec![], vec![]);
+    encode_scan(&config, &simulated(), &mut pixels, &mut Small::<8>::new(settings), &mut small);
+    encode_scan(&config, &simulated(), &mut pixels, &mut Dense::<8>::new(settings), &mut dense);
+    check_with_python("context-small.flicr", &small);
+    check_with_python("context-dense.flicr", &dense);
 }

@@ -5,8 +5,11 @@
 mod calibrate;
 #[path = "../common/mod.rs"]
 mod common;
+mod context;
 mod deflate;
 mod files;
+#[path = "../../examples/train_priors/firings.rs"]
+mod firings;
 mod geometry;
 mod lattice;
 mod metrics;
@@ -26,6 +29,8 @@ const TESTS: &[(&str, fn())] = &[
     ("calibrate::ouster_os0_32", calibrate::ouster_os0_32),
     ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
     ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
+    ("context::ratios_on_the_sensors_own_grid", context::ratios_on_the_sensors_own_grid),
+    ("context::smaller_than_zlib_on_the_papers_images", context::smaller_than_zlib_on_the_papers_images),
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),

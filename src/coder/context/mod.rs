@@ -8,7 +8,7 @@
 //!           returns                 logits
 //! ```
 //!
-//! The same code walks a model in both directions ([`walk`]); what a decision may look at stands in `surroundings`, how
+//! The same code walks a model in both directions (`walk`); what a decision may look at stands in `surroundings`, how
 //! likely it is in `small` and `dense`.
 
 pub(crate) mod beam;
