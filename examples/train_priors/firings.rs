@@ -18,25 +18,40 @@ pub struct Firings {
     columns: usize,
 }
 
+/// Each beam's shift of ticks; it is the sensor's, the same in all scans. Counted from [`SHIFT_MAX`] ticks back.
+pub struct Shifts([usize; ROWS]);
+
+impl Shifts {
+    /// Finds them in a scan.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        Ok(Self(align(&ticks(path)?)))
+    }
+}
+
+/// The levels of a raw KITTI scan at every tick.
+fn ticks(path: &Path) -> Result<Vec<u16>, String> {
+    let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let bytes = std::fs::read(path).map_err(|error| wrong(&error))?;
+    let points = StridedPoints::new(&bytes, POINT_LEN).ok_or_else(|| wrong(&"no points"))?;
+    let lattice = Lattice::<66>::new(hdl64e::GRID, TICKS).map_err(|error| wrong(&error))?;
+    let config = LatticeConfig::new(&lattice);
+    let mut levels = vec![0_u16; ROWS * TICKS];
+    let mut out = vec![0; config.worst_case_len::<u16, Store>()];
+    let image = ImageViewMut::new(&mut levels, TICKS).ok_or_else(|| wrong(&"no image"))?;
+    let encoded = encode(&config, &points, Stamp::default(), image, &mut Store::new(), &mut out);
+    let len = encoded.map_err(|error| wrong(&error))?.len;
+    let mut decoder = Decoder::new(Limits::default());
+    let frame = decoder.decode(&out[..len]).map_err(|error| wrong(&error))?;
+    match frame.levels() {
+        Levels::U16(levels) => Ok(levels.clone()),
+        Levels::U8(_) => Err(wrong(&"levels of 8 bits")),
+    }
+}
+
 impl Firings {
     /// Reads a raw KITTI scan.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let wrong = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let bytes = std::fs::read(path).map_err(|error| wrong(&error))?;
-        let points = StridedPoints::new(&bytes, POINT_LEN).ok_or_else(|| wrong(&"no points"))?;
-        let lattice = Lattice::<66>::new(hdl64e::GRID, TICKS).map_err(|error| wrong(&error))?;
-        let config = LatticeConfig::new(&lattice);
-        let mut levels = vec![0_u16; ROWS * TICKS];
-        let mut out = vec![0; config.worst_case_len::<u16, Store>()];
-        let image = ImageViewMut::new(&mut levels, TICKS).ok_or_else(|| wrong(&"no image"))?;
-        let encoded = encode(&config, &points, Stamp::default(), image, &mut Store::new(), &mut out);
-        let len = encoded.map_err(|error| wrong(&error))?.len;
-        let mut decoder = Decoder::new(Limits::default());
-        let frame = decoder.decode(&out[..len]).map_err(|error| wrong(&error))?;
-        match frame.levels() {
-            Levels::U16(levels) => Ok(Self::of_ticks(levels)),
-            Levels::U8(_) => Err(wrong(&"levels of 8 bits")),
-        }
+    pub fn read(path: &Path, shifts: &Shifts) -> Result<Self, String> {
+        Ok(Self::of_ticks(&ticks(path)?, shifts))
     }
 
     /// The image.
@@ -45,9 +60,9 @@ impl Firings {
     }
 
     /// Finds the firings among the ticks: those at which, once each beam's shift is taken off, any beam has a return.
-    fn of_ticks(levels: &[u16]) -> Self {
-        let (shifts, returns) = align(levels);
-        let firings: Vec<usize> = (0..TICKS).filter(|&tick| returns[tick] > 0).collect();
+    fn of_ticks(levels: &[u16], Shifts(shifts): &Shifts) -> Self {
+        let is_return = |row: usize, tick: usize| levels[row * TICKS + tick_of(tick, shifts[row])] != 0;
+        let firings: Vec<usize> = (0..TICKS).filter(|&tick| (0..ROWS).any(|row| is_return(row, tick))).collect();
         let columns = firings.len();
         let mut aligned = vec![0; ROWS * columns];
         for (row, &shift) in shifts.iter().enumerate() {
@@ -63,19 +78,18 @@ impl Firings {
     }
 }
 
-/// The tick of a beam at a firing's tick; shifts count from [`SHIFT_MAX`] ticks back.
+/// The tick of a beam at a firing's tick.
 fn tick_of(firing: usize, shift: usize) -> usize {
     (firing + TICKS + shift - SHIFT_MAX) % TICKS
 }
 
-/// Each beam's shift against the first, by which most of its returns fall on those of the beams before it; and the
-/// returns at each tick then.
-fn align(levels: &[u16]) -> ([usize; ROWS], [u32; TICKS]) {
+/// Each beam's shift against the first, by which most of its returns fall on those of the beams before it.
+fn align(levels: &[u16]) -> [usize; ROWS] {
     let beam = |row: usize| &levels[row * TICKS..][..TICKS];
     let occupied = |row: usize| (0..TICKS).filter(move |&tick| beam(row)[tick] != 0);
     let mut rows: Vec<usize> = (0..ROWS).collect();
     rows.sort_by_key(|&row| std::cmp::Reverse(occupied(row).count()));
-    let (mut shifts, mut returns) = ([SHIFT_MAX; ROWS], [0; TICKS]);
+    let (mut shifts, mut returns) = ([SHIFT_MAX; ROWS], [0_u32; TICKS]);
     for (count, &row) in rows.iter().enumerate() {
         let back = |shift: usize| move |tick: usize| (tick + TICKS + SHIFT_MAX - shift) % TICKS;
         if count > 0 {
@@ -84,5 +98,5 @@ fn align(levels: &[u16]) -> ([usize; ROWS], [u32; TICKS]) {
         }
         occupied(row).map(back(shifts[row])).for_each(|tick| returns[tick] += 1);
     }
-    (shifts, returns)
+    shifts
 }

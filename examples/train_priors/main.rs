@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use flicr::ImageView;
 use flicr::coder::context::train::{DenseLearner, SmallLearner, train};
 
-use firings::Firings;
+use firings::{Firings, Shifts};
 
 /// In levels of 2 mm: from 31 cm to 2 mm.
 const STEPS: [u16; 7] = [157, 101, 51, 25, 10, 5, 1];
@@ -23,11 +23,14 @@ const NUMBERS_A_LINE: usize = 24;
 
 fn main() -> ExitCode {
     let paths: Vec<_> = std::env::args().skip(1).collect();
-    if paths.is_empty() {
+    let Some(first) = paths.first() else {
         eprintln!("usage: train_priors SCAN.bin... > src/coder/context/priors.rs");
         return ExitCode::from(2);
-    }
-    match paths.iter().map(|path| Firings::read(Path::new(path))).collect::<Result<Vec<_>, _>>() {
+    };
+    let scans = Shifts::read(Path::new(first)).and_then(|shifts| {
+        paths.iter().map(|path| Firings::read(Path::new(path), &shifts)).collect::<Result<Vec<_>, _>>()
+    });
+    match scans {
         Ok(scans) => {
             print_priors(&scans);
             ExitCode::SUCCESS

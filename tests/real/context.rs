@@ -5,7 +5,7 @@ use flicr::{Dense, ImageView, Small};
 
 use crate::common::data::{self, median};
 use crate::common::range_images::{WIDTHS, image, zlib};
-use crate::firings::Firings;
+use crate::firings::{Firings, Shifts};
 
 /// Steps in levels of 2 mm, and the least ratios to 16 bytes a point: small and dense.
 const LEAST: [(u16, f64, f64); 7] = [
@@ -23,7 +23,9 @@ const OTHER_BYTES: usize = 84 + 48;
 
 pub fn ratios_on_the_sensors_own_grid() {
     let held_out: Vec<_> = data::KITTI.iter().filter(|scan| !scan.name.contains("object")).collect();
-    let images: Vec<Firings> = held_out.iter().map(|scan| Firings::read(&data::path(&scan.name)).unwrap()).collect();
+    let shifts = Shifts::read(&data::path("kitti/object/000000.bin")).unwrap();
+    let read = |scan: &&data::Scan| Firings::read(&data::path(&scan.name), &shifts).unwrap();
+    let images: Vec<Firings> = held_out.iter().map(read).collect();
     println!("{:>8} {:>8} {:>8}", "step mm", "small", "dense");
     for (step, least_small, least_dense) in LEAST {
         let settings = ContextSettings::FINE.with_step(Step::new(step).unwrap());
