@@ -3,6 +3,7 @@
 use core::array;
 use std::vec::Vec;
 
+use crate::coder::context::Allowed;
 use crate::coder::{self, CoderId};
 use crate::error::{DecodeError, HeaderField, LimitKind, PayloadFault};
 use crate::frame::{self, BeamsGeometry, ColumnMode, Geometry, Header, ParsedFrame};
@@ -182,12 +183,16 @@ fn decode_levels<L: Level>(parsed: &ParsedFrame<'_>, levels: &mut Vec<L>) -> Res
 }
 
 fn decode_payload<L: Level>(header: &Header, payload: &[u8], levels: &mut [L]) -> Result<(), PayloadFault> {
+    let max = header.quantizer.max_level();
     match header.coder {
         CoderId::Store => coder::store::decode(payload, levels)?,
         CoderId::Rle => coder::rle::decode(payload, levels)?,
         CoderId::Deflate => coder::inflate::decode(payload, levels)?,
+        CoderId::Context => {
+            let allowed = Allowed { max_level: max, error_max: header.error_max };
+            coder::context::decode(payload, header.rows.into(), levels, allowed)?;
+        }
     }
-    let max = header.quantizer.max_level();
     // All levels fit where the pixel type has no more bits than the header allows.
     let too_large = if u32::from(max) + 1 == 1 << L::BITS { None } else { levels.iter().find(|l| l.get() > max) };
     too_large.map_or(Ok(()), |found| Err(PayloadFault::LevelRange { found: found.get(), max }))

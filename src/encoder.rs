@@ -5,7 +5,7 @@ use crate::config::{Config, FrameSettings, GridSettings, LatticeConfig, Settings
 use crate::error::{ConfigError, EncodeError};
 use crate::firings_config::FiringsConfig;
 use crate::fit::GridFit;
-use crate::frame::{self, Header};
+use crate::frame::{self, GeometryFields, Header};
 use crate::geometry::OnRows;
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
 use crate::insert::{farthest_m, insert};
@@ -275,7 +275,7 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     /// Codes the image and writes the frame to the front of `out`.
     ///
     /// # Errors
-    /// [`EncodeError::OutputTooSmall`]; nothing in `out` is a frame then.
+    /// [`EncodeError::OutputTooSmall`]; [`ConfigError::CoderRows`]. Nothing in `out` is a frame then.
     pub fn finish(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
         self.frame.finish(self.image.as_view(), self.coder, out)
     }
@@ -473,14 +473,18 @@ impl<S: FrameSettings> OpenFrame<S> {
         coder: &mut C,
         out: &mut [u8],
     ) -> Result<Encoded, EncodeError> {
-        let (header, have) = (self.header(C::ID), out.len());
+        let found = image.rows();
+        if found > C::ROWS_MAX {
+            return Err(ConfigError::CoderRows { found, max: C::ROWS_MAX }.into());
+        }
+        let (header, have) = (self.header(C::ID, coder.error_max()), out.len());
         let worst_case = frame::worst_case_len::<L, C>(image.levels().len()) + header.more_than_uniform();
         let len = frame::write(header, image, coder, out);
         let len = len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?;
-        Ok(Encoded { len, tally: self.tally, range_bound_m: self.quantizer.range_bound_m(), fit: self.fit.into() })
+        Ok(Encoded { len, tally: self.tally, range_bound_m: header.range_bound_m(), fit: self.fit.into() })
     }
 
-    fn header(&self, coder: CoderId) -> Header<S::Fields> {
+    fn header(&self, coder: CoderId, error_max: u16) -> Header<S::Fields> {
         Header {
             sequence: self.stamp.sequence,
             timestamp_ns: self.stamp.timestamp_ns,
@@ -488,8 +492,9 @@ impl<S: FrameSettings> OpenFrame<S> {
             columns: self.columns,
             quantizer: self.quantizer,
             coder,
+            error_max,
             returns: self.tally.returns(),
-            geometry: self.config.fields(&self.fit),
+            geometry: self.config.fields(&self.fit).off_by(f32::from(error_max) * self.quantizer.step_m()),
         }
     }
 }

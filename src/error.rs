@@ -46,6 +46,13 @@ pub enum ConfigError {
         /// Most that there may be.
         max: usize,
     },
+    /// A coder has state for a number of rows.
+    CoderRows {
+        /// Rows of the image.
+        found: usize,
+        /// Most that the coder has room for.
+        max: usize,
+    },
     /// The beams' slopes must fall from row to row, and their numbers be such as a sensor can have.
     Beam {
         /// First row that is not so.
@@ -206,6 +213,20 @@ pub enum PayloadFault {
         /// The largest that the header allows.
         max: u16,
     },
+    /// A code that may change levels by more than the header's bound says.
+    Bound {
+        /// Levels that it may change them by.
+        found: u16,
+        /// Most that the header allows.
+        max: u16,
+    },
+    /// More rows than the coder's format has room for.
+    Rows {
+        /// The rows found.
+        found: u16,
+        /// Most that there can be.
+        max: u16,
+    },
 }
 
 /// Fields of the frame header, as named in `docs/FORMAT.md`.
@@ -268,6 +289,7 @@ impl fmt::Display for ConfigError {
                 write!(f, "an image of {columns} x {rows}: expected the lattice's {expected_columns} x {expected_rows}")
             }
             Self::Beams { found, max } => write!(f, "a sensor of {found} beams: expected 1 to {max}"),
+            Self::CoderRows { found, max } => write!(f, "{found} rows: the coder has room for {max}"),
             Self::Beam { row } => {
                 write!(f, "beam {row} is not lower than the one before, or has numbers that no sensor has")
             }
@@ -347,6 +369,8 @@ impl fmt::Display for PayloadFault {
             Self::Malformed => f.write_str("malformed code"),
             Self::TooManyBlocks => f.write_str("more blocks than so few levels can need"),
             Self::LevelRange { found, max } => write!(f, "level {found}: at most {max} expected"),
+            Self::Bound { found, max } => write!(f, "levels may be {found} off: at most {max} expected"),
+            Self::Rows { found, max } => write!(f, "{found} rows: at most {max} expected"),
         }
     }
 }

@@ -51,6 +51,8 @@ pub struct Header<G = Geometry> {
     pub quantizer: Quantizer,
     /// What coded the strips.
     pub coder: CoderId,
+    /// Most levels that the coder changed a level by; 0 for those that lose nothing.
+    pub error_max: u16,
     /// Returns that the encoder was given: those in the image and those it lost. What was no return is not counted.
     pub returns: u32,
     /// Where pixels lie in space.
@@ -62,6 +64,12 @@ impl<G: Copy> Header<G> {
     #[must_use]
     pub const fn pixels(&self) -> usize {
         self.rows as usize * self.columns as usize
+    }
+
+    /// Most that a point's range is off, meters.
+    #[must_use]
+    pub const fn range_bound_m(&self) -> f32 {
+        self.quantizer.range_bound_with_m(self.error_max)
     }
 }
 
@@ -87,7 +95,7 @@ impl<G: GeometryFields> Header<G> {
         put(&[self.quantizer.level_bits() as u8, self.coder as u8]);
         put(&strips.to_le_bytes());
         put(&self.quantizer.step_m().to_le_bytes());
-        put(&self.quantizer.range_bound_m().to_le_bytes());
+        put(&self.range_bound_m().to_le_bytes());
         put(&self.returns.to_le_bytes());
         self.geometry.put(put);
     }
@@ -101,7 +109,7 @@ pub const fn worst_case_len<L: Level, C: Coder<L>>(pixels: usize) -> usize {
 
 /// Writes a frame of one strip to the front of `out` and gives its length.
 ///
-/// `header` must describe `image`; its `coder` is set to `C`'s.
+/// `header` must describe `image`; its `coder` and `error_max` are set to `C`'s.
 ///
 /// # Errors
 /// [`OutputFull`] where the frame does not fit `out`.
@@ -116,7 +124,7 @@ pub fn write<L: Level, C: Coder<L>>(
     let (strip_head, payload) = rest.split_at_mut_checked(STRIP_HEADER_LEN).ok_or(OutputFull)?;
     let payload_len = coder.encode(image, payload)?;
     let checked_len = header_len + STRIP_HEADER_LEN + payload_len;
-    Header { coder: C::ID, ..header }.put(to_u32(checked_len + CHECKSUM_LEN)?, 1, head);
+    Header { coder: C::ID, error_max: coder.error_max(), ..header }.put(to_u32(checked_len + CHECKSUM_LEN)?, 1, head);
     put_strip_header(header.columns, to_u32(payload_len)?, strip_head);
     let (checked, after) = out.split_at_mut_checked(checked_len).ok_or(OutputFull)?;
     Sink::new(after).put_all(&CRC.checksum(checked).to_le_bytes())?;
@@ -232,11 +240,11 @@ fn header_fields(bytes: &[u8]) -> Result<Start, DecodeError> {
     let coder =
         CoderId::from_byte(coder).ok_or(DecodeError::Header { field: HeaderField::Coder, found: coder.into() })?;
     let strips = expect(HeaderField::Strips, fields.u16()?, |strips| (1..=columns).contains(&strips))?;
-    let quantizer = quantizer_of(level_bits, fields.u32()?, fields.u32()?)?;
+    let (quantizer, error_max) = quantizer_of(coder, level_bits, fields.u32()?, fields.u32()?)?;
     let returns = fields.u32()?;
     let (geometry, expected_len) = geometry::parse(&mut fields, flags, rows)?;
     expect(HeaderField::HeaderLen, header_len as u32, |len| len as usize == expected_len)?;
-    let header = Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, geometry };
+    let header = Header { sequence, timestamp_ns, rows, columns, quantizer, coder, error_max, returns, geometry };
     Ok(Start { header, header_len, frame_len: frame_len as usize, strips })
 }
 
@@ -256,11 +264,24 @@ fn check_start(fields: &mut Fields<'_>) -> Result<(), DecodeError> {
     Ok(())
 }
 
-fn quantizer_of(level_bits: u8, step_bits: u32, bound_bits: u32) -> Result<Quantizer, DecodeError> {
+fn quantizer_of(
+    coder: CoderId,
+    level_bits: u8,
+    step_bits: u32,
+    bound_bits: u32,
+) -> Result<(Quantizer, u16), DecodeError> {
     let quantizer = Quantizer::from_step(level_bits.into(), f32::from_bits(step_bits))
         .ok_or(DecodeError::Header { field: HeaderField::Step, found: step_bits })?;
-    expect(HeaderField::RangeBound, bound_bits, |bits| bits == quantizer.range_bound_m().to_bits())?;
-    Ok(quantizer)
+    let error_max = if coder == CoderId::Context { error_max(&quantizer, f32::from_bits(bound_bits)) } else { 0 };
+    let bound = quantizer.range_bound_with_m(error_max).to_bits();
+    expect(HeaderField::RangeBound, bound_bits, |bits| bits == bound)?;
+    Ok((quantizer, error_max))
+}
+
+/// The number of levels that a bound is closest to; that it is exactly that one's is still to be checked.
+fn error_max(quantizer: &Quantizer, bound_m: f32) -> u16 {
+    let least_m = quantizer.range_bound_m();
+    crate::kernel::to_index((bound_m - least_m) / quantizer.step_m() + 0.5, u32::from(u16::MAX)) as u16
 }
 
 fn expect<T: Copy + Into<u32>>(field: HeaderField, found: T, right: impl Fn(T) -> bool) -> Result<T, DecodeError> {

@@ -85,7 +85,8 @@ pub mod sensor;
 pub mod simulate;
 
 pub use coder::{
-    Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, OutputFull, Rle, Store, WorstCase,
+    Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, Dense, OutputFull, Rle, Small, Store,
+    WorstCase,
 };
 pub use config::{Config, FrameSettings, GridConfig, GridSettings, LatticeConfig, Scale, Settings};
 pub use encoder::{

@@ -107,9 +107,15 @@ impl Quantizer {
     /// the four float operations between a point's coordinates and its range.
     #[must_use]
     pub const fn range_bound_m(&self) -> f32 {
+        self.range_bound_with_m(0)
+    }
+
+    /// As [`range_bound_m`](Self::range_bound_m), where a coder may change levels by up to `error_max`.
+    #[must_use]
+    pub const fn range_bound_with_m(&self, error_max: u16) -> f32 {
         // Each operation is off by at most 2^-24 of its result, which is at most max_level steps; the range itself
         // (three products, two sums, a square root) by no more than four of them again.
-        self.step_m * (0.5 + self.max_level() as f32 * f32::EPSILON * 4.0)
+        self.step_m * (0.5 + error_max as f32 + self.max_level() as f32 * f32::EPSILON * 4.0)
     }
 
     /// The PSNR that rounding to levels alone leaves, dB: errors even over a step, against the peak `max_range_m`

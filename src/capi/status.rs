@@ -78,7 +78,10 @@ pub extern "C" fn flicr_status_text(status: StatusCode) -> *const c_char {
 impl From<ConfigError> for flicr_status {
     fn from(error: ConfigError) -> Self {
         match error {
-            ConfigError::Size { .. } | ConfigError::ImageSize { .. } | ConfigError::Beams { .. } => Self::Size,
+            ConfigError::Size { .. }
+            | ConfigError::ImageSize { .. }
+            | ConfigError::CoderRows { .. }
+            | ConfigError::Beams { .. } => Self::Size,
             ConfigError::Beam { .. } => Self::Beam,
             ConfigError::Ticks { .. } | ConfigError::Firings { .. } => Self::Ticks,
             ConfigError::RangeUnit { .. } => Self::RangeUnit,

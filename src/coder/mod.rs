@@ -1,12 +1,14 @@
-//! Lossless coders of a range image's levels. Forward and inverse of each stand side by side in one file.
+//! Coders of a range image's levels; all but [`context`]'s are lossless, and so are these at a step of one level. Forward and inverse of each stand side by side in one file.
 
 pub(crate) mod bits;
+pub mod context;
 pub(crate) mod deflate;
 #[cfg(feature = "std")]
 pub(crate) mod inflate;
 pub(crate) mod rle;
 pub(crate) mod store;
 
+pub use context::{ContextCoder, ContextSettings, Dense, Predictor, Small, Step};
 pub use deflate::{Deflate, DeflateDefault, DeflateDense, DeflateSmall};
 pub use rle::Rle;
 pub use store::Store;
@@ -37,6 +39,8 @@ pub enum CoderId {
     Rle = 1,
     /// Raw DEFLATE (RFC 1951).
     Deflate = 2,
+    /// [`context`]: the coders made for range images, every tier.
+    Context = 3,
 }
 
 impl CoderId {
@@ -47,6 +51,7 @@ impl CoderId {
             0 => Some(Self::Store),
             1 => Some(Self::Rle),
             2 => Some(Self::Deflate),
+            3 => Some(Self::Context),
             _ => None,
         }
     }
@@ -80,6 +85,14 @@ pub trait Coder<L: Level> {
 
     /// How long a payload can get.
     const WORST_CASE: WorstCase;
+
+    /// Most rows that an image may have.
+    const ROWS_MAX: usize = usize::MAX;
+
+    /// Most levels that a decoded level is off; 0 where nothing is lost.
+    fn error_max(&self) -> u16 {
+        0
+    }
 
     /// Writes the payload of `image` to the front of `out` and gives its length.
     ///

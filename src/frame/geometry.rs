@@ -31,6 +31,9 @@ pub trait GeometryFields: Copy {
     fn flags(&self) -> u8;
     /// Bytes of the whole header.
     fn header_len(&self) -> usize;
+    /// The same, where the coder may move points by so many meters more.
+    #[must_use]
+    fn off_by(self, more_m: f32) -> Self;
     /// Hands out the fields from byte 44 on.
     fn put(&self, put: impl FnMut(&[u8]));
 }
@@ -109,6 +112,10 @@ impl GeometryFields for UniformHeader {
         HEADER_LEN
     }
 
+    fn off_by(self, _: f32) -> Self {
+        self
+    }
+
     fn put(&self, mut put: impl FnMut(&[u8])) {
         put(&[UNIFORM, 0, 0, 0]);
         for angle_rad in [self.view.top_rad, self.view.bottom_rad, self.view.start_rad, self.view.span_rad] {
@@ -136,6 +143,12 @@ impl GeometryFields for BeamsHeader<'_> {
     fn put(&self, put: impl FnMut(&[u8])) {
         self.put_with(EVEN_COLUMNS, 0, put);
     }
+
+    fn off_by(self, more_m: f32) -> Self {
+        // Both operations may round down, by 2^-24 of the sum each.
+        let point_bound_m = (self.point_bound_m + more_m) * if more_m > 0.0 { 1.0 + f32::EPSILON } else { 1.0 };
+        Self { point_bound_m, ..self }
+    }
 }
 
 impl<const WORDS: usize> GeometryFields for FiringsHeader<'_, WORDS> {
@@ -145,6 +158,10 @@ impl<const WORDS: usize> GeometryFields for FiringsHeader<'_, WORDS> {
 
     fn header_len(&self) -> usize {
         self.beams.header_len() + self.firings.list_len()
+    }
+
+    fn off_by(self, more_m: f32) -> Self {
+        Self { beams: self.beams.off_by(more_m), ..self }
     }
 
     fn put(&self, mut put: impl FnMut(&[u8])) {

@@ -7,10 +7,13 @@ mod calibrate;
 mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
+mod context;
 mod deflate;
 #[cfg(feature = "cli")]
 mod eval;
 mod files;
+#[path = "../../examples/train_priors/firings.rs"]
+mod firing_images;
 mod firings;
 mod geometry;
 mod lattice;
@@ -32,6 +35,8 @@ const TESTS: &[(&str, fn())] = &[
     ("calibrate::ouster_os0_32", calibrate::ouster_os0_32),
     ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
     ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
+    ("context::ratios_on_the_sensors_own_grid", context::ratios_on_the_sensors_own_grid),
+    ("context::smaller_than_zlib_on_the_papers_images", context::smaller_than_zlib_on_the_papers_images),
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
     ("firings::all_raw_scans_by_firings", firings::all_raw_scans_by_firings),
     ("firings::shared_firings_are_found_from_the_points", firings::shared_firings_are_found_from_the_points),

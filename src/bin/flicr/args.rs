@@ -5,6 +5,7 @@ use std::rc::Rc;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use flicr::geometry::sensors::ouster::OusterSensor;
 
+use flicr::coder::{self, ContextSettings};
 use flicr::{Config, Scale};
 
 use crate::failure::Failure;
@@ -73,7 +74,8 @@ pub struct FrameArgs {
     /// Bits of a range, 1 to 16: the quantizer has 2^N - 1 steps [default: 8; with --step 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     pub bits: Option<u32>,
-    /// Distance of two levels; native is the sensor's range count, and without loss on its own grid
+    /// How finely ranges are kept; native is the sensor's range count, and without loss on its own grid. The context
+    /// coders keep a range within 0.6 of it, the others within 0.5
     #[arg(long, value_name = "METERS|native", value_parser = step, conflicts_with = "max_range")]
     pub step: Option<Step>,
     /// Range of the largest level; farther points are dropped and counted [default: each scan's farthest point]
@@ -82,7 +84,13 @@ pub struct FrameArgs {
     /// What codes the range image, without loss
     #[arg(long, value_enum, default_value_t = CoderName::Deflate)]
     pub coder: CoderName,
+    /// Which of the context coders
+    #[arg(long, value_enum, default_value_t = Tier::Dense)]
+    pub tier: Tier,
 }
+
+/// Levels between which the context coders step, of frames without a sensor: as finely as KITTI's counts, meters.
+const FINE_LEVEL_M: f32 = 0.002;
 
 /// Columns of `encode` and `view`.
 #[derive(Debug, Clone, Copy, Args)]
@@ -132,6 +140,7 @@ impl FrameArgs {
             Some(Preset::Uniform) | None => Config::UNIFORM,
         };
         let scale = match (self.step, self.max_range) {
+            (Some(Step::Meters(_)), _) if self.coder == CoderName::Context => Scale::Step { step_m: FINE_LEVEL_M },
             (Some(Step::Meters(step_m)), _) => Scale::Step { step_m },
             (_, Some(max_range_m)) => Scale::Fixed { max_range_m },
             _ => preset.scale,
@@ -156,6 +165,22 @@ impl FrameArgs {
     pub fn asked(&self) -> Result<Option<Asked>, Failure> {
         if self.sensor == "auto" { Ok(None) } else { Asked::named(&self.sensor).map(Some) }
     }
+
+    /// What the context coders are to do with levels `level_m` apart, where they choose among them: those of the sensor,
+    /// where there is one.
+    pub fn context(&self, sensor_level_m: Option<f32>) -> Result<ContextSettings, String> {
+        let level_m = sensor_level_m.unwrap_or(FINE_LEVEL_M);
+        let settings = ContextSettings::of_levels(level_m);
+        let step_m = match self.step {
+            None => return Ok(ContextSettings::COARSE),
+            Some(Step::Native) => return Ok(settings),
+            Some(Step::Meters(step_m)) => step_m,
+        };
+        let levels = (step_m / level_m).round().max(1.0);
+        let step = (levels <= f32::from(u16::MAX)).then_some(levels as u16).and_then(coder::Step::new);
+        let step = step.ok_or_else(|| format!("--step {step_m}: expected at most {} m", 65535.0 * level_m))?;
+        Ok(settings.with_step(step))
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -172,8 +197,18 @@ pub enum CoderName {
     Rle,
     /// LZ77 and Huffman codes, as in zip: the smallest
     Deflate,
+    /// Made for range images: by far the smallest, and with '--step' the choice between size and error
+    Context,
     /// No coding
     Store,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tier {
+    /// The fewest bytes
+    Dense,
+    /// For microcontrollers: a third of the memory and time, 5 to 20 % more bytes
+    Small,
 }
 
 /// The word by which the command line and JSON know a value.

@@ -1,13 +1,13 @@
 //! The library's encoder and decoder, with geometry, level type and coder chosen at run time.
 
-use flicr::coder::{Coder, WorstCase};
+use flicr::coder::{Coder, ContextSettings, WorstCase};
 use flicr::geometry::{Lattice, SensorGrid};
 use flicr::{
-    Config, DeflateDefault, EncodeError, Encoded, FiringsConfig, FrameEncoder, ImageViewMut, LatticeConfig, Level,
-    Levels, Limits, Quantizer, Rle, Scale, Stamp, Store, UniformGrid, encode,
+    Config, DeflateDefault, Dense, EncodeError, Encoded, FiringsConfig, FrameEncoder, ImageViewMut, LatticeConfig, Level,
+    Levels, Limits, Quantizer, Rle, Scale, Small, Stamp, Store, UniformGrid, encode,
 };
 
-use crate::args::{CoderName, Columns, FrameArgs, Step};
+use crate::args::{CoderName, Columns, FrameArgs, Step, Tier};
 use crate::failure::Failure;
 use crate::input::Scan;
 use crate::plan::{COLUMNS, Plan, Shape, plan};
@@ -33,8 +33,13 @@ pub struct Codec {
 enum AnyCoder {
     Rle(Rle),
     Deflate(Box<DeflateDefault>),
+    Small(Box<Small<GROUPS>>),
+    Dense(Box<Dense<GROUPS>>),
     Store(Store),
 }
+
+/// Room for 1024 rows, as many as context coders can have.
+const GROUPS: usize = 128;
 
 impl Codec {
     /// Checks what is asked for, as far as that can be done before there is a scan.
@@ -54,7 +59,7 @@ impl Codec {
         check_pixels(pixels).map_err(Failure::Usage)?;
         let levels = if config.level_bits <= u8::BITS { Levels::U8(Vec::new()) } else { Levels::U16(Vec::new()) };
         let plan = Plan { shape: Shape::Uniform { columns: uniform_columns }, why: String::new() };
-        let coder = AnyCoder::new(args.coder);
+        let coder = AnyCoder::new(args.coder, args.tier, args.context(None).map_err(Failure::Usage)?);
         Ok(Self { args: args.clone(), config, columns, asked, plan, levels, coder, out: Vec::new(), len: 0 })
     }
 
@@ -69,6 +74,8 @@ impl Codec {
         let rows = self.plan.shape.sensor().map_or(self.args.rows.into(), |sensor| sensor.grid().beams.len());
         let pixels = rows * self.plan.shape.columns();
         check_pixels(pixels)?;
+        let level_m = self.plan.shape.sensor().map(|sensor| sensor.grid().range_unit_m);
+        self.coder = AnyCoder::new(self.args.coder, self.args.tier, self.args.context(level_m)?);
         let worst_case = match &mut self.levels {
             Levels::U8(levels) => {
                 levels.resize(pixels, 0);
@@ -114,6 +121,10 @@ impl Codec {
         let grid = sensor.grid();
         match (self.args.step, self.args.max_range) {
             (Some(Step::Native), _) => Scale::Step { step_m: grid.range_unit_m },
+            // The coder steps between the sensor's own levels.
+            (Some(Step::Meters(_)), _) if self.args.coder == CoderName::Context => {
+                Scale::Step { step_m: grid.range_unit_m }
+            }
             (Some(Step::Meters(step_m)), _) => Scale::Step { step_m },
             (None, Some(max_range_m)) => Scale::Fixed { max_range_m },
             (None, None) => Scale::Fixed { max_range_m: farthest_m(scan, &grid) },
@@ -228,8 +239,12 @@ impl Job<'_> {
 }
 
 impl AnyCoder {
-    fn new(name: CoderName) -> Self {
+    fn new(name: CoderName, tier: Tier, settings: ContextSettings) -> Self {
         match name {
+            CoderName::Context => match tier {
+                Tier::Small => Self::Small(Box::new(Small::<GROUPS>::new(settings))),
+                Tier::Dense => Self::Dense(Box::new(Dense::<GROUPS>::new(settings))),
+            },
             CoderName::Rle => Self::Rle(Rle::new()),
             CoderName::Deflate => Self::Deflate(Box::new(DeflateDefault::new())),
             CoderName::Store => Self::Store(Store::new()),
@@ -243,6 +258,8 @@ impl AnyCoder {
         match self {
             Self::Rle(_) => <Rle as Coder<L>>::WORST_CASE,
             Self::Deflate(_) => <DeflateDefault as Coder<L>>::WORST_CASE,
+            Self::Small(_) => <Small<GROUPS> as Coder<L>>::WORST_CASE,
+            Self::Dense(_) => <Dense<GROUPS> as Coder<L>>::WORST_CASE,
             Self::Store(_) => <Store as Coder<L>>::WORST_CASE,
         }
     }
@@ -261,6 +278,8 @@ impl AnyCoder {
         match self {
             Self::Rle(coder) => job.encode(image, coder, out),
             Self::Deflate(coder) => job.encode(image, coder.as_mut(), out),
+            Self::Small(coder) => job.encode(image, coder.as_mut(), out),
+            Self::Dense(coder) => job.encode(image, coder.as_mut(), out),
             Self::Store(coder) => job.encode(image, coder, out),
         }
     }

@@ -195,7 +195,7 @@ impl FrameInfo {
             bits: quantizer.level_bits(),
             step_m: quantizer.step_m(),
             max_range_m: quantizer.max_range_m(),
-            range_bound_m: quantizer.range_bound_m(),
+            range_bound_m: frame.header().range_bound_m(),
             coder: format!("{coder:?}").to_lowercase(),
             strips,
             returns,
