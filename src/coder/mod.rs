@@ -8,7 +8,10 @@ pub(crate) mod inflate;
 pub(crate) mod rle;
 pub(crate) mod store;
 
-pub use context::{ContextCoder, ContextSettings, Dense, Predictor, Small, Step};
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub use context::fast::lab as fast_lab;
+pub use context::{ContextCoder, ContextSettings, Dense, Fast, Predictor, Small, Step};
 pub use deflate::{Deflate, DeflateDefault, DeflateDense, DeflateSmall};
 pub use rle::Rle;
 pub use store::Store;

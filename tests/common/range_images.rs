@@ -1,5 +1,6 @@
 //! The paper's 8-bit images by an independent few lines, and zlib: the yardstick of the coders.
 
+#[allow(dead_code, reason = "not every user goes through all widths")]
 pub const WIDTHS: [usize; 6] = [4500, 4096, 2048, 1024, 512, 256];
 const ROWS: usize = 64;
 

@@ -209,6 +209,8 @@ pub enum Tier {
     Dense,
     /// For microcontrollers: a third of the memory and time, 5 to 20 % more bytes
     Small,
+    /// For SoCs and servers: many times as fast, some percent more bytes than small
+    Fast,
 }
 
 /// The word by which the command line and JSON know a value.

@@ -1,6 +1,6 @@
 //! The library's encoder and decoder, with geometry, level type and coder chosen at run time.
 
-use flicr::coder::{Coder, ContextSettings, WorstCase};
+use flicr::coder::{Coder, ContextSettings, Fast, WorstCase};
 use flicr::geometry::{Lattice, SensorGrid};
 use flicr::{
     Config, DeflateDefault, Dense, EncodeError, Encoded, FiringsConfig, FrameEncoder, ImageViewMut, LatticeConfig, Level,
@@ -35,11 +35,14 @@ enum AnyCoder {
     Deflate(Box<DeflateDefault>),
     Small(Box<Small<GROUPS>>),
     Dense(Box<Dense<GROUPS>>),
+    Fast(Box<Fast<BANDS>>),
     Store(Store),
 }
 
 /// Room for 1024 rows, as many as context coders can have.
 const GROUPS: usize = 128;
+/// As many rows, for the fast tier.
+const BANDS: usize = 16;
 
 impl Codec {
     /// Checks what is asked for, as far as that can be done before there is a scan.
@@ -244,6 +247,7 @@ impl AnyCoder {
             CoderName::Context => match tier {
                 Tier::Small => Self::Small(Box::new(Small::<GROUPS>::new(settings))),
                 Tier::Dense => Self::Dense(Box::new(Dense::<GROUPS>::new(settings))),
+                Tier::Fast => Self::Fast(Box::new(Fast::new(settings))),
             },
             CoderName::Rle => Self::Rle(Rle::new()),
             CoderName::Deflate => Self::Deflate(Box::new(DeflateDefault::new())),
@@ -260,6 +264,7 @@ impl AnyCoder {
             Self::Deflate(_) => <DeflateDefault as Coder<L>>::WORST_CASE,
             Self::Small(_) => <Small<GROUPS> as Coder<L>>::WORST_CASE,
             Self::Dense(_) => <Dense<GROUPS> as Coder<L>>::WORST_CASE,
+            Self::Fast(_) => <Fast<BANDS> as Coder<L>>::WORST_CASE,
             Self::Store(_) => <Store as Coder<L>>::WORST_CASE,
         }
     }
@@ -280,6 +285,7 @@ impl AnyCoder {
             Self::Deflate(coder) => job.encode(image, coder.as_mut(), out),
             Self::Small(coder) => job.encode(image, coder.as_mut(), out),
             Self::Dense(coder) => job.encode(image, coder.as_mut(), out),
+            Self::Fast(coder) => job.encode(image, coder.as_mut(), out),
             Self::Store(coder) => job.encode(image, coder, out),
         }
     }

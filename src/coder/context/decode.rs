@@ -5,7 +5,9 @@ use super::column::Column;
 use super::dense::DenseModel;
 use super::range_coder::RangeDecoder;
 use super::small::SmallModel;
-use super::{ContextSettings, DEAD_ZONE_FLAG, MEDIAN_EDGE_FLAG, PREFIX_LEN, Predictor, STORED, Step, TIER_MASK, Tier};
+use super::{
+    ContextSettings, DEAD_ZONE_FLAG, MEDIAN_EDGE_FLAG, PREFIX_LEN, Predictor, STORED, Step, TIER_MASK, Tier, fast,
+};
 use crate::coder::store;
 use crate::error::PayloadFault;
 use crate::image::{ImageViewMut, Level};
@@ -38,6 +40,7 @@ pub(crate) fn decode<L: Level>(
     let strip = Strip { settings, max_level, code };
     match kind & TIER_MASK {
         SmallModel::TIER => strip.decode_in_groups::<SmallModel, L>(image),
+        fast::TIER => strip.decode_fast(image),
         DenseModel::TIER => strip.decode_in_groups::<DenseModel, L>(image),
         _ => Err(PayloadFault::Malformed),
     }
@@ -76,6 +79,13 @@ impl Strip<'_> {
             0..=64 => self.decode::<M, 8, L>(image),
             65..=128 => self.decode::<M, 16, L>(image),
             129..=ROWS_MAX => self.decode::<M, { ROWS_MAX / 8 }, L>(image),
+            found => Err(PayloadFault::Rows { found: found as u16, max: ROWS_MAX as u16 }),
+        }
+    }
+
+    fn decode_fast<L: Level>(&self, image: ImageViewMut<'_, L>) -> Result<(), PayloadFault> {
+        match image.as_view().rows() {
+            0..=ROWS_MAX => fast::decode(self.code, image, self.settings, self.max_level),
             found => Err(PayloadFault::Rows { found: found as u16, max: ROWS_MAX as u16 }),
         }
     }

@@ -14,6 +14,7 @@
 pub(crate) mod beam;
 pub(crate) mod column;
 mod dense;
+pub(crate) mod fast;
 mod priors;
 pub(crate) mod range_coder;
 mod small;
@@ -24,6 +25,7 @@ mod surroundings;
 pub mod train;
 pub(crate) mod walk;
 
+pub use fast::Fast;
 pub use step::Step;
 pub use walk::Predictor;
 
