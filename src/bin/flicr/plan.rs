@@ -114,7 +114,7 @@ fn of_turn(
     if let Some(Asked::Grid(grid)) = asked
         && grid.grid().name != sensor.grid().name
     {
-        why += &format!(": --sensor ({}) is not used", grid.grid().name);
+        why = format!("{why}: --sensor ({}) is not used", grid.grid().name);
     }
     let shape = match columns {
         Some(Columns::Count(columns)) => Shape::Beams { sensor, columns, rows: Vec::new() },
