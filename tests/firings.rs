@@ -2,7 +2,7 @@
 //! firings costs some tens of bytes.
 #![allow(missing_docs)]
 
-use flicr::geometry::{FiringLattice, Firings, Lattice, Projection, find_firings, sensors::hdl64e};
+use flicr::geometry::{FiringLattice, Firings, Lattice, Projection, SensorGrid, find_firings, sensors::hdl64e};
 use flicr::simulate::{Sensor, Simulator};
 use flicr::{
     ConfigError, DecodeError, Decoder, Encoded, FiringsConfig, HeaderField, ImageViewMut, LatticeConfig, Rle, Stamp,
@@ -101,6 +101,24 @@ fn no_point_of_a_turn_is_lost_and_each_comes_back() {
         assert_all_there(&points, &bytes, encoded.fit.point_bound_m().into());
         println!("{} firings in {} bytes", firings.len(), list_len(&bytes));
         assert!((2000..2300).contains(&firings.len()) && list_len(&bytes) <= 64);
+    }
+}
+
+/// Of two frames that differ in the ticks of a turn only, too: where columns lie follows from them.
+#[test]
+fn a_frame_says_the_same_whatever_came_before_it() {
+    let frame_of = |ticks: u32| {
+        let grid = SensorGrid { ticks, ..hdl64e::FIRING_GRID };
+        let lattice = Lattice::<66>::new(grid, ticks as usize).unwrap();
+        let firings = Firings::<250>::new(ticks, (0..2000).step_by(2)).unwrap();
+        let every_tick = LatticeConfig { table: true, ..LatticeConfig::new(&lattice) };
+        encoded(&FiringsConfig { every_tick, firings: &firings }, &[[0.5, 10.0, -1.0], [9.0, 4.0, -2.0]]).1
+    };
+    let frames = [frame_of(4000), frame_of(8000)];
+    let mut decoder = Decoder::default();
+    for bytes in [&frames[0], &frames[1], &frames[0]] {
+        let alone = Decoder::default().decode(bytes).unwrap().points();
+        assert_eq!(decoder.decode(bytes).unwrap().points(), alone);
     }
 }
 

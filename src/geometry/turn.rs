@@ -12,7 +12,8 @@ use super::shift_of;
 /// In double precision: the products are then exact to far below a micrometer, and cost no more.
 #[derive(Debug, Default)]
 pub(crate) struct Turn {
-    made_for: Option<(bool, u32, u16, u32)>,
+    /// Direction, azimuth of tick 0, ticks, columns and step.
+    made_for: Option<(bool, u32, u32, u16, u32)>,
     beams: Vec<Beam>,
     rows: Vec<BeamRow>,
     /// Twice over where the columns are firings, and each row begins at its own.
@@ -58,7 +59,7 @@ struct Linear {
 impl Turn {
     /// Computes the constants unless they are those of the last frame.
     pub(crate) fn prepare(&mut self, grid: &SensorGrid<'_>, columns: u16, spread: Spread<'_>, step_m: f32) {
-        let wanted = Some((grid.clockwise, grid.zero_rad.to_bits(), columns, step_m.to_bits()));
+        let wanted = Some((grid.clockwise, grid.zero_rad.to_bits(), grid.ticks, columns, step_m.to_bits()));
         let firings = if let Spread::At(firings) = spread { firings } else { &[] };
         if self.made_for == wanted && self.beams == grid.beams && self.firings == firings {
             return;

@@ -34,6 +34,18 @@ fn returns(plan: &Plan, turn: usize) -> usize {
 }
 
 #[test]
+fn another_sensor_than_the_packets_is_not_taken_in_silence() {
+    let (place, plan) = (Place::new(), plan(Model::Vlp16, false));
+    place.write("c.pcap", &capture(&packets(&plan)));
+    let (_, notes) = place.noted(&["encode", "c.pcap", "-o", "c.flicr", "--sensor", "hdl64e"]);
+    assert!(notes.contains("the packets are VLP-16's: --sensor (HDL-64E (KITTI)) is not used"), "{notes}");
+    let (_, notes) = place.noted(&["encode", "c.pcap", "-o", "c.flicr", "--sensor", "vlp16"]);
+    assert!(!notes.contains("not used"), "{notes}");
+    let wrong = place.fails(1, &["encode", "c.pcap", "-o", "c.flicr", "--preset", "uniform", "--step", "native"]);
+    assert!(wrong.contains("expected meters (--preset)"), "{wrong}");
+}
+
+#[test]
 fn every_model_gives_a_frame_a_turn_and_loses_nothing() {
     let models = [
         (Model::Vlp16, "VLP-16"),

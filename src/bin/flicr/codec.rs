@@ -72,7 +72,8 @@ impl Codec {
             self.plan = plan(scan, self.asked.as_ref(), self.columns).map_err(|error| error.to_string())?;
         }
         if self.args.step == Some(Step::Native) && self.plan.shape.sensor().is_none() {
-            return Err(format!("no sensor's grid, so no native step: expected meters ({})", self.plan.why));
+            let why = if self.plan.why.is_empty() { "--preset" } else { &self.plan.why };
+            return Err(format!("no sensor's grid, so no native step: expected meters ({why})"));
         }
         let rows = self.plan.shape.sensor().map_or(self.args.rows.into(), |sensor| sensor.grid().beams.len());
         let pixels = rows * self.plan.shape.columns();

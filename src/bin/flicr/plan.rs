@@ -77,7 +77,7 @@ impl Shape {
 /// The best geometry for a scan, of those that were asked for.
 pub fn plan(scan: &Scan, asked: Option<&Asked>, columns: Option<Columns>) -> Result<Plan, EncodeError> {
     if let Some(turn) = &scan.turn {
-        return of_turn(turn.sensor.clone(), &turn.ticks, columns);
+        return of_turn(turn.sensor.clone(), &turn.ticks, asked, columns);
     }
     if let Some(asked) = asked {
         return on_sensor(&scan.cloud, asked.grid(), columns, false);
@@ -103,8 +103,19 @@ fn count(columns: Option<Columns>) -> u16 {
     }
 }
 
-fn of_turn(sensor: Rc<OwnedGrid>, ticks: &[u32], columns: Option<Columns>) -> Result<Plan, EncodeError> {
-    let why = format!("the packets are {}'s", sensor.grid().name);
+fn of_turn(
+    sensor: Rc<OwnedGrid>,
+    ticks: &[u32],
+    asked: Option<&Asked>,
+    columns: Option<Columns>,
+) -> Result<Plan, EncodeError> {
+    let mut why = format!("the packets are {}'s", sensor.grid().name);
+    // Packets say whose they are; an Ouster's are read by what was asked for.
+    if let Some(Asked::Grid(grid)) = asked
+        && grid.grid().name != sensor.grid().name
+    {
+        why = format!("{why}: --sensor ({}) is not used", grid.grid().name);
+    }
     let shape = match columns {
         Some(Columns::Count(columns)) => Shape::Beams { sensor, columns, rows: Vec::new() },
         _ => by_firings(sensor, ticks)?,
