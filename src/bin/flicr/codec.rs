@@ -3,8 +3,8 @@
 use flicr::coder::{Coder, ContextSettings, Fast, WorstCase};
 use flicr::geometry::{Lattice, SensorGrid};
 use flicr::{
-    Config, DeflateDefault, Dense, EncodeError, Encoded, FiringsConfig, FrameEncoder, ImageViewMut, LatticeConfig, Level,
-    Levels, Limits, Quantizer, Rle, Scale, Small, Stamp, Store, UniformGrid, encode,
+    Config, DeflateDefault, Dense, EncodeError, Encoded, FiringsConfig, FrameEncoder, ImageViewMut, LatticeConfig,
+    Level, Levels, Limits, Quantizer, Rle, Scale, Small, Stamp, Store, UniformGrid, encode,
 };
 
 use crate::args::{CoderName, Columns, FrameArgs, Step, Tier};
