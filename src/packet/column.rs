@@ -93,7 +93,6 @@ impl Pick {
             Self::Only | Self::First => a,
             Self::Farther => a.max(b),
             Self::Second | Self::Dimmer if a == b => 0,
-            Self::Second => b,
             Self::Brighter if a == b => a,
             Self::Brighter => {
                 let brighter = if second.intensity > first.intensity { b } else { a };
@@ -102,7 +101,7 @@ impl Pick {
             }
             Self::Dimmer if a == 0 || b == 0 => 0,
             Self::Dimmer if second.intensity > first.intensity => a,
-            Self::Dimmer => b,
+            Self::Second | Self::Dimmer => b,
         }
     }
 }
@@ -182,13 +181,13 @@ impl<'p> Cells<'p> {
     /// Calls `each` with the row and the cell of every channel, in the order of the packet.
     #[inline(always)]
     fn for_each(&self, each: impl FnMut(u8, Cell)) {
-        self.give(|pick, first, second| pick.choose(first, second), &mut Each(each));
+        self.give(Pick::choose, &mut Each(each));
     }
 
     /// Gives all counts, in the order of the packet.
     #[inline(always)]
     fn give_counts(&self, taker: &mut impl TakeRun<u32>) {
-        self.give(|pick, first, second| pick.choose_count(first, second), taker);
+        self.give(Pick::choose_count, taker);
     }
 
     /// `choose` makes of two cells what `taker` takes.

@@ -45,15 +45,15 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Blocks that repeat another's directions, itself included.
-    const fn repeats(&self, dual: bool) -> usize {
-        if dual { 2 } else { 1 }
-    }
-
     /// Blocks of a group.
     const fn group_len(&self, dual: bool) -> usize {
-        self.blocks_per_firing * self.repeats(dual)
+        self.blocks_per_firing * repeats(dual)
     }
+}
+
+/// Blocks that hold the same directions.
+const fn repeats(dual: bool) -> usize {
+    if dual { 2 } else { 1 }
 }
 
 /// What a packet's frame says, once checked: how to read the rest.
@@ -143,7 +143,7 @@ impl<'p> SpinPacket<'p> {
             format: layout.cell,
             pick,
             to_second: layout.block_len,
-            to_next_run: layout.block_len * layout.repeats(self.dual),
+            to_next_run: layout.block_len * repeats(self.dual),
             run_len: layout.run_len,
             beam_of_channel: layout.model.facts().beam_of_channel,
         }
