@@ -12,7 +12,7 @@ use crate::insert::{farthest_m, insert};
 use crate::packet::Column;
 use crate::point::{BLOCK_LEN, Points};
 use crate::quantize::Quantizer;
-use crate::returns::{GridReturn, ReturnInserter, ReturnScale};
+use crate::returns::{GridReturn, ReturnScale};
 use crate::tally::Tally;
 
 /// What the caller tells the receiver of a frame besides its points.
@@ -309,11 +309,12 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const WORDS: usize, const NODES:
     pub fn insert_fired<R: Into<GridReturn>>(&mut self, returns: impl IntoIterator<Item = R>) {
         let lattice = self.frame.projection;
         let grid = self.frame.config.every_tick.lattice.grid();
-        let scale = ReturnScale::new(grid, &self.frame.quantizer, self.frame.columns);
-        let mut inserter = self.frame.return_inserter(&scale, &mut self.image);
+        let collision = self.frame.config.policy().collision;
+        let scale = ReturnScale::new(grid, &self.frame.quantizer, self.frame.columns, collision);
         for found in returns {
             let found: GridReturn = found.into();
-            inserter.insert_one(found, lattice.column(found.row, found.tick));
+            let at = lattice.column(found.row, found.tick);
+            scale.insert_one(found, at, &mut self.image, &mut self.frame.tally);
         }
     }
 }
@@ -406,25 +407,24 @@ impl<S: FrameSettings> OpenFrame<S> {
         S: GridSettings,
     {
         let mut scale = self.return_scale();
-        let mut inserter = self.return_inserter(&scale, image);
         for found in returns {
             let found = found.into();
-            inserter.insert_one(found, scale.columns.column(found.tick));
+            let at = scale.columns.column(found.tick);
+            scale.insert_one(found, at, image, &mut self.tally);
         }
     }
 
     /// Puts one firing into the image that the frame was started with. `scale` is the frame's.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn insert_column<L: Level>(
         &mut self,
         column: &Column<'_>,
-        scale: &mut ReturnScale,
+        scale: &ReturnScale,
         image: &mut ImageViewMut<'_, L>,
     ) where
         S: GridSettings,
     {
-        let at = scale.columns.column(column.tick.into());
-        self.return_inserter(scale, image).insert_column(column, at);
+        scale.insert_column(column, image, &mut self.tally);
     }
 
     /// The same for all frames of one configuration.
@@ -432,23 +432,7 @@ impl<S: FrameSettings> OpenFrame<S> {
     where
         S: GridSettings,
     {
-        ReturnScale::new(self.config.grid(), &self.quantizer, self.columns)
-    }
-
-    #[inline]
-    fn return_inserter<'a, L: Level>(
-        &'a mut self,
-        scale: &ReturnScale,
-        image: &'a mut ImageViewMut<'_, L>,
-    ) -> ReturnInserter<'a, L> {
-        ReturnInserter {
-            scale: scale.levels,
-            max_level: self.quantizer.max_level(),
-            collision: self.config.policy().collision,
-            columns: image.columns(),
-            levels: image.levels(),
-            tally: &mut self.tally,
-        }
+        ReturnScale::new(self.config.grid(), &self.quantizer, self.columns, self.config.policy().collision)
     }
 
     /// Begins the next frame of the same kind in the same image.

@@ -124,7 +124,12 @@ impl<'a, L: Level, C: Coder<L>, S: GridSettings, const LAYERS: usize> PacketEnco
             ended = Some(encode_turn(turn, frames, images, self.coder, out));
         };
         self.turns.push(packet, &mut self.images, &mut end)?;
-        Ok(ended.transpose()?)
+        // Not by `transpose`: that would copy as much where no turn ended.
+        match ended {
+            None => Ok(None),
+            Some(Ok(turn)) => Ok(Some(turn)),
+            Some(Err(error)) => Err(error.into()),
+        }
     }
 
     /// Ends the turn that is open, if it has columns, and writes its frames as [`push`](Self::push) does; the next
@@ -233,7 +238,7 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
 #[inline]
 fn insert<S: GridSettings, L: Level, const LAYERS: usize>(
     column: &Column<'_>,
-    scale: &mut ReturnScale,
+    scale: &ReturnScale,
     frames: &mut [OpenFrame<S>; LAYERS],
     images: &mut [ImageViewMut<'_, L>; LAYERS],
 ) {

@@ -2,7 +2,7 @@
 
 use super::ouster::{self, OusterFormat};
 use super::ouster_turns::OusterTurns;
-use super::spin::SpinPacket;
+use super::spin::{Frame, SpinPacket};
 use super::spin_turns::SpinTurns;
 use super::{Event, Model, PacketError, PacketStats, ReturnPolicy, pandar_xt, pandar40p, pandar64, velodyne};
 
@@ -111,7 +111,7 @@ impl TurnAssembler {
     }
 
     fn push_spinning(&mut self, packet: &[u8], sink: &mut impl FnMut(Event<'_>)) -> Result<(), PacketError> {
-        let checked = check_spinning(packet)?;
+        let checked = SpinPacket::new(packet, check_frame(packet)?)?;
         let model = checked.layout.model;
         if let Some(expected) = self.model()
             && expected != model
@@ -139,7 +139,7 @@ impl TurnAssembler {
 }
 
 /// The format is told by the length; the format's own check finds the model.
-fn check_spinning(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
+fn check_frame(packet: &[u8]) -> Result<Frame, PacketError> {
     match packet.len() {
         velodyne::LEN => velodyne::check(packet),
         len if pandar40p::LENS.contains(&len) => pandar40p::check(packet),

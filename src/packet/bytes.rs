@@ -38,3 +38,14 @@ pub(super) fn check_marker(bytes: &[u8], at: usize, expected: u16) -> Result<(),
     }
     Err(PacketError::Marker { at: at as u16, found, expected })
 }
+
+/// The same at the start of each block. The packet has so many blocks.
+pub(super) fn check_markers(packet: &[u8], blocks: usize, block_len: usize, expected: u16) -> Result<(), PacketError> {
+    for (block, nth) in packet.chunks_exact(block_len.max(1)).take(blocks).zip(0..) {
+        let found = le_u16(block, 0);
+        if found != expected {
+            return Err(PacketError::Marker { at: (nth * block_len) as u16, found, expected });
+        }
+    }
+    Ok(())
+}

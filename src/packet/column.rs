@@ -83,6 +83,27 @@ impl Pick {
             Self::Farther => [first, second][usize::from(second.count > first.count)],
         }
     }
+
+    /// The count that [`choose`](Self::choose) chooses, in fewer steps: most sensors repeat the only return that they
+    /// have, and no cell is emptier than two empty ones.
+    #[inline(always)]
+    fn choose_count(self, first: Cell, second: Cell) -> u32 {
+        let (a, b) = (first.count, second.count);
+        match self {
+            Self::Only | Self::First => a,
+            Self::Farther => a.max(b),
+            Self::Second | Self::Dimmer if a == b => 0,
+            Self::Brighter if a == b => a,
+            Self::Brighter => {
+                let brighter = if second.intensity > first.intensity { b } else { a };
+                // Where that is none, the other one.
+                if brighter == 0 { a | b } else { brighter }
+            }
+            Self::Dimmer if a == 0 || b == 0 => 0,
+            Self::Dimmer if second.intensity > first.intensity => a,
+            Self::Second | Self::Dimmer => b,
+        }
+    }
 }
 
 /// `cell`, or none where it is the same echo as `taken`.
@@ -116,11 +137,17 @@ pub(super) enum CellFormat {
     OusterLow,
 }
 
-/// Where the cells of one firing lie.
+/// The cells of one firing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells<'p> {
     /// From the first cell of the firing on.
     pub bytes: &'p [u8],
+    pub shape: &'p CellShape,
+}
+
+/// How the cells of a firing lie in its bytes, and which are given: the same for all firings of a packet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellShape {
     pub format: CellFormat,
     pub pick: Pick,
     /// Bytes from a cell to its second return, where that lies in another block.
@@ -132,79 +159,110 @@ pub(super) struct Cells<'p> {
     pub beam_of_channel: &'static [u8],
 }
 
+/// What takes the cells of a firing, a run of channels at a time.
+///
+/// A loop of its own for each format and way to choose, so that a device keeps all of it in registers.
+pub(crate) trait TakeRun<T> {
+    /// The cells of the channels whose rows are `beams`, in the same order.
+    fn take_run(&mut self, beams: &'static [u8], cells: impl Iterator<Item = T>);
+}
+
+/// Takes cell for cell.
+struct Each<F>(F);
+
+impl<T, F: FnMut(u8, T)> TakeRun<T> for Each<F> {
+    #[inline(always)]
+    fn take_run(&mut self, beams: &'static [u8], cells: impl Iterator<Item = T>) {
+        beams.iter().zip(cells).for_each(|(&beam, cell)| self.0(beam, cell));
+    }
+}
+
 impl<'p> Cells<'p> {
     /// Calls `each` with the row and the cell of every channel, in the order of the packet.
     #[inline(always)]
-    fn for_each(&self, mut each: impl FnMut(u8, Cell)) {
-        match self.format {
-            CellFormat::Three => self.blocks(three, &mut each),
-            CellFormat::Four => self.blocks(four, &mut each),
-            CellFormat::OusterLegacy => self.inline(ouster_legacy, &mut each),
-            CellFormat::OusterSingle => self.inline(ouster_single, &mut each),
-            CellFormat::OusterDual => self.inline(ouster_dual, &mut each),
-            CellFormat::OusterLow => self.inline(ouster_low, &mut each),
+    fn for_each(&self, each: impl FnMut(u8, Cell)) {
+        self.give(Pick::choose, &mut Each(each));
+    }
+
+    /// Gives all counts, in the order of the packet.
+    #[inline(always)]
+    fn give_counts(&self, taker: &mut impl TakeRun<u32>) {
+        self.give(Pick::choose_count, taker);
+    }
+
+    /// `choose` makes of two cells what `taker` takes.
+    #[inline(always)]
+    fn give<T>(&self, choose: impl Fn(Pick, Cell, Cell) -> T + Copy, taker: &mut impl TakeRun<T>) {
+        match self.shape.format {
+            CellFormat::Three => self.blocks(three, choose, taker),
+            CellFormat::Four => self.blocks(four, choose, taker),
+            CellFormat::OusterLegacy => self.inline(ouster_legacy, choose, taker),
+            CellFormat::OusterSingle => self.inline(ouster_single, choose, taker),
+            CellFormat::OusterDual => self.inline(ouster_dual, choose, taker),
+            CellFormat::OusterLow => self.inline(ouster_low, choose, taker),
         }
     }
 
     /// Formats that keep the second return in a block of its own.
     #[inline(always)]
-    fn blocks<const N: usize>(&self, read: fn(&[u8; N]) -> Cell, each: &mut impl FnMut(u8, Cell)) {
-        // One loop for each way to choose, so that the choice costs nothing inside it.
-        match self.pick {
-            Pick::Only | Pick::First => self.single(read, each),
-            Pick::Second => self.pairs(read, |a, b| Pick::Second.choose(a, b), each),
-            Pick::Brighter => self.pairs(read, |a, b| Pick::Brighter.choose(a, b), each),
-            Pick::Dimmer => self.pairs(read, |a, b| Pick::Dimmer.choose(a, b), each),
-            Pick::Farther => self.pairs(read, |a, b| Pick::Farther.choose(a, b), each),
-        }
-    }
-
-    #[inline(always)]
-    fn single<const N: usize>(&self, read: fn(&[u8; N]) -> Cell, each: &mut impl FnMut(u8, Cell)) {
-        for (cells, beams) in self.runs() {
-            for (cell, &beam) in cells.as_chunks().0.iter().zip(beams) {
-                each(beam, read(cell));
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn pairs<const N: usize>(
+    fn blocks<const N: usize, T>(
         &self,
-        read: fn(&[u8; N]) -> Cell,
-        choose: impl Fn(Cell, Cell) -> Cell,
-        each: &mut impl FnMut(u8, Cell),
+        read: impl Fn(&[u8; N]) -> Cell + Copy,
+        choose: impl Fn(Pick, Cell, Cell) -> T + Copy,
+        taker: &mut impl TakeRun<T>,
     ) {
-        for (cells, beams) in self.runs() {
-            let seconds = bytes::tail(cells, self.to_second).as_chunks().0;
-            for ((first, second), &beam) in cells.as_chunks().0.iter().zip(seconds).zip(beams) {
-                each(beam, choose(read(first), read(second)));
-            }
+        // One loop for each way to choose, so that the choice costs nothing inside it.
+        match self.shape.pick {
+            Pick::Only | Pick::First => self.single(|cell| choose(Pick::Only, read(cell), NONE), taker),
+            Pick::Second => self.pairs(|a, b| choose(Pick::Second, read(a), read(b)), taker),
+            Pick::Brighter => self.pairs(|a, b| choose(Pick::Brighter, read(a), read(b)), taker),
+            Pick::Dimmer => self.pairs(|a, b| choose(Pick::Dimmer, read(a), read(b)), taker),
+            Pick::Farther => self.pairs(|a, b| choose(Pick::Farther, read(a), read(b)), taker),
         }
+    }
+
+    #[inline(always)]
+    fn single<const N: usize, T>(&self, read: impl Fn(&[u8; N]) -> T + Copy, taker: &mut impl TakeRun<T>) {
+        self.for_each_run(|cells, beams| taker.take_run(beams, cells.as_chunks().0.iter().map(read)));
+    }
+
+    #[inline(always)]
+    fn pairs<const N: usize, T>(&self, read: impl Fn(&[u8; N], &[u8; N]) -> T + Copy, taker: &mut impl TakeRun<T>) {
+        self.for_each_run(|cells, beams| {
+            let seconds = bytes::tail(cells, self.shape.to_second).as_chunks().0;
+            let pairs = cells.as_chunks().0.iter().zip(seconds);
+            taker.take_run(beams, pairs.map(|(first, second)| read(first, second)));
+        });
     }
 
     /// Formats that keep both returns of a beam in one cell.
     #[inline(always)]
-    fn inline<const N: usize>(&self, read: fn(&[u8; N]) -> [Cell; 2], each: &mut impl FnMut(u8, Cell)) {
-        for (cells, beams) in self.runs() {
-            for (cell, &beam) in cells.as_chunks().0.iter().zip(beams) {
-                let [first, second] = read(cell);
-                each(beam, self.pick.choose(first, second));
-            }
-        }
+    fn inline<const N: usize, T>(
+        &self,
+        read: impl Fn(&[u8; N]) -> [Cell; 2] + Copy,
+        choose: impl Fn(Pick, Cell, Cell) -> T + Copy,
+        taker: &mut impl TakeRun<T>,
+    ) {
+        let choose = |cell: &_| {
+            let [first, second] = read(cell);
+            choose(self.shape.pick, first, second)
+        };
+        self.single(choose, taker);
     }
 
-    /// The bytes from each run of cells on, with the rows of its channels.
+    /// Calls `each` with the bytes from each run of cells on, and the rows of its channels.
     #[inline(always)]
-    fn runs(&self) -> impl Iterator<Item = (&'p [u8], &'static [u8])> + use<'p> {
-        // `max` only tells the compiler that no division or chunking is by zero.
-        let (to_next_run, run_len) = (self.to_next_run.max(1), self.run_len.max(1));
-        let mut rest = self.bytes;
-        self.beam_of_channel.chunks(run_len).map(move |beams| {
-            let cells = rest;
-            rest = bytes::tail(rest, to_next_run);
-            (cells, beams)
-        })
+    fn for_each_run(&self, mut each: impl FnMut(&'p [u8], &'static [u8])) {
+        // `max` makes the loop end whatever the format says. Nearly all sensors have one run.
+        let (mut cells, mut beams, run_len) = (self.bytes, self.shape.beam_of_channel, self.shape.run_len.max(1));
+        loop {
+            let (run, others) = beams.split_at_checked(run_len).unwrap_or((beams, &[]));
+            each(cells, run);
+            if others.is_empty() {
+                return;
+            }
+            (cells, beams) = (bytes::tail(cells, self.shape.to_next_run), others);
+        }
     }
 }
 
@@ -284,7 +342,7 @@ impl Column<'_> {
     /// Beams of the sensor: rows of the range image.
     #[must_use]
     pub const fn rows(&self) -> usize {
-        self.cells.beam_of_channel.len()
+        self.cells.shape.beam_of_channel.len()
     }
 
     /// Calls `each` with the row (0 = highest) and the cell of every beam, empty ones included, in
@@ -292,6 +350,12 @@ impl Column<'_> {
     #[inline]
     pub fn for_each_cell(&self, each: impl FnMut(u8, Cell)) {
         self.cells.for_each(each);
+    }
+
+    /// Gives the range counts of all cells, 0 where there is no return.
+    #[inline(always)]
+    pub(crate) fn give_counts(&self, taker: &mut impl TakeRun<u32>) {
+        self.cells.give_counts(taker);
     }
 
     /// Calls `each` with every return, in the order in which the packet holds them.
@@ -315,10 +379,10 @@ impl Column<'_> {
     /// have are left away; entries of `out` past the last row stay as they are.
     #[inline]
     pub fn counts(&self, out: &mut [u32]) {
-        self.cells.for_each(|beam, cell| {
+        self.cells.give_counts(&mut Each(|beam, found| {
             if let Some(count) = out.get_mut(usize::from(beam)) {
-                *count = cell.count;
+                *count = found;
             }
-        });
+        }));
     }
 }

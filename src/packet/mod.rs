@@ -40,6 +40,7 @@ mod spin_turns;
 mod velodyne;
 
 pub use assembler::{Sensor, TurnAssembler};
+pub(crate) use column::TakeRun;
 pub use column::{Cell, Column, Return, ReturnPolicy};
 pub use error::{PacketError, PacketStats};
 pub use event::{Event, GapCause, MAX_COLUMNS, Turn, TurnCut};

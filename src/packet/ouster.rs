@@ -23,7 +23,7 @@
 //! was tested on made-up packets only.
 
 use super::bytes::{self, check_marker, le_u16, le_u32, le_u64};
-use super::column::{CellFormat, Cells, Pick};
+use super::column::{CellFormat, CellShape, Cells, Pick};
 use super::{PacketError, ReturnPolicy};
 
 /// Most rows that an Ouster has.
@@ -253,17 +253,25 @@ impl<'p> OusterPacket<'p> {
         }
     }
 
-    pub fn cells(&self, nth: u16, pick: Pick) -> Cells<'p> {
+    /// The cells of the `nth` column. `shape` is the packet's.
+    pub fn cells<'s>(&self, nth: u16, shape: &'s CellShape) -> Cells<'s>
+    where
+        'p: 's,
+    {
         let (_, header_len, footer_len, _) = self.format.profile.frame();
         let column = self.bytes(nth);
         let pixels = column.len().saturating_sub(header_len + footer_len);
+        Cells { bytes: bytes::tail(column, header_len).get(..pixels).unwrap_or(&[]), shape }
+    }
+
+    /// How the cells of every column lie.
+    pub fn shape(&self, pick: Pick) -> CellShape {
         let rows = usize::from(self.format.rows);
-        Cells {
-            bytes: bytes::tail(column, header_len).get(..pixels).unwrap_or(&[]),
+        CellShape {
             format: self.format.profile.cell().0,
             pick,
             to_second: 0,
-            to_next_run: column.len(),
+            to_next_run: 0,
             run_len: rows,
             beam_of_channel: ROW_OF_CHANNEL.get(..rows).unwrap_or(&ROW_OF_CHANNEL),
         }

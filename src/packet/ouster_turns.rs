@@ -145,7 +145,7 @@ impl OusterTurns {
                 step_q8: 256,
                 layer,
                 time_ns: packet.time_ns(nth),
-                cells: packet.cells(nth, pick),
+                cells: packet.cells(nth, &packet.shape(pick)),
             }));
         }
         self.turn.count_column(stats);

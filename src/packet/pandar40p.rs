@@ -14,10 +14,10 @@
 //! In dual return two blocks in turn share an azimuth. Sources: Hesai's Pandar40P and Pandar40M
 //! user manuals, section 3.1; `HesaiLidar_General_SDK` (times).
 
-use super::bytes::{byte, check_marker, le_u32, tail};
+use super::bytes::{byte, check_markers, le_u32, tail};
 use super::column::CellFormat;
 use super::hesai_time::unix_ns;
-use super::spin::{Layout, SpinPacket, Stamp};
+use super::spin::{Frame, Layout, Stamp};
 use super::{Model, PacketError};
 
 /// Bytes of a packet without and with a sequence number.
@@ -44,16 +44,12 @@ static LAYOUT: Layout = Layout {
 /// The packet's time is that of its end: the last firing's own time lies this much before.
 const LAST_FIRING_NS: u64 = 28_580;
 
-/// Checks a packet of one of [`LENS`] bytes.
-pub(super) fn check(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
-    check_flags(packet)?;
+/// Checks the frame of a packet of one of [`LENS`] bytes.
+pub(super) fn check(packet: &[u8]) -> Result<Frame, PacketError> {
+    check_markers(packet, LAYOUT.blocks, LAYOUT.block_len, FLAG)?;
     let tail = tail(packet, TAIL_AT);
     let dual = is_dual(byte(tail, 14))?;
-    SpinPacket::new(packet, &LAYOUT, dual, stamp(tail, &LAYOUT, dual, LAST_FIRING_NS))
-}
-
-fn check_flags(packet: &[u8]) -> Result<(), PacketError> {
-    (0..LAYOUT.blocks).try_for_each(|block| check_marker(packet, block * LAYOUT.block_len, FLAG))
+    Ok(Frame { layout: &LAYOUT, dual, stamp: stamp(tail, &LAYOUT, dual, LAST_FIRING_NS) })
 }
 
 /// Return modes of Pandar40P and Pandar64.

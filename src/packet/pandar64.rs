@@ -15,7 +15,7 @@
 use super::bytes::{byte, check_marker, tail};
 use super::column::CellFormat;
 use super::pandar40p::{is_dual, stamp};
-use super::spin::{Layout, SpinPacket};
+use super::spin::{Frame, Layout};
 use super::{Model, PacketError};
 
 /// Bytes of a packet without and with a sequence number.
@@ -41,13 +41,13 @@ static LAYOUT: Layout = Layout {
 /// The packet's time is that of its end: the last firing's own time lies this much before.
 const LAST_FIRING_NS: u64 = 42_580;
 
-/// Checks a packet of one of [`LENS`] bytes.
-pub(super) fn check(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
+/// Checks the frame of a packet of one of [`LENS`] bytes.
+pub(super) fn check(packet: &[u8]) -> Result<Frame, PacketError> {
     check_start(packet)?;
     check_fields(packet, &[(3, 6), (5, 4)])?;
     let tail = tail(packet, TAIL_AT);
     let dual = is_dual(byte(tail, 14))?;
-    SpinPacket::new(packet, &LAYOUT, dual, stamp(tail, &LAYOUT, dual, LAST_FIRING_NS))
+    Ok(Frame { layout: &LAYOUT, dual, stamp: stamp(tail, &LAYOUT, dual, LAST_FIRING_NS) })
 }
 
 fn check_start(packet: &[u8]) -> Result<(), PacketError> {

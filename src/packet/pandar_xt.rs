@@ -22,7 +22,7 @@ use super::bytes::{byte, check_marker, le_u32, tail};
 use super::column::CellFormat;
 use super::hesai_time::unix_ns;
 use super::pandar64::{check_channels, check_fields};
-use super::spin::{Layout, SpinPacket, Stamp};
+use super::spin::{Frame, Layout, Stamp};
 use super::{Model, PacketError};
 
 /// Bytes of a packet.
@@ -48,14 +48,14 @@ static LAYOUT: Layout = Layout {
 /// The last firing's own time lies this much after the packet's.
 const LAST_FIRING_NS: u64 = 3_280;
 
-/// Checks a packet of [`LEN`] bytes.
-pub(super) fn check(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
+/// Checks the frame of a packet of [`LEN`] bytes.
+pub(super) fn check(packet: &[u8]) -> Result<Frame, PacketError> {
     check_start(packet)?;
     check_fields(packet, &[(7, 8), (9, 4)])?;
     let tail = tail(packet, TAIL_AT);
     let dual = is_dual(byte(tail, 10))?;
     let has_sequence = byte(packet, 11) & 1 == 1;
-    SpinPacket::new(packet, &LAYOUT, dual, stamp(tail, dual, has_sequence))
+    Ok(Frame { layout: &LAYOUT, dual, stamp: stamp(tail, dual, has_sequence) })
 }
 
 fn check_start(packet: &[u8]) -> Result<(), PacketError> {

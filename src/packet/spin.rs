@@ -4,7 +4,7 @@
 //! described by a [`Layout`], and all further code is written once, for that.
 
 use super::bytes::{self, le_u16};
-use super::column::{CellFormat, Cells, Pick};
+use super::column::{CellFormat, CellShape, Pick};
 use super::model::TICKS_PER_TURN;
 use super::{Model, PacketError, ReturnPolicy};
 
@@ -44,7 +44,27 @@ pub(super) struct Layout {
     pub spread: u16,
 }
 
-/// A packet of blocks whose frame was checked.
+impl Layout {
+    /// Blocks of a group.
+    const fn group_len(&self, dual: bool) -> usize {
+        self.blocks_per_firing * repeats(dual)
+    }
+}
+
+/// Blocks that hold the same directions.
+const fn repeats(dual: bool) -> usize {
+    if dual { 2 } else { 1 }
+}
+
+/// What a packet's frame says, once checked: how to read the rest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub layout: &'static Layout,
+    pub dual: bool,
+    pub stamp: Stamp,
+}
+
+/// A packet of blocks that was checked.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpinPacket<'p> {
     pub layout: &'static Layout,
@@ -72,24 +92,29 @@ pub(super) struct Stamp {
 
 impl<'p> SpinPacket<'p> {
     /// Reads and checks the azimuths. `packet` is long enough for its layout.
-    pub fn new(packet: &'p [u8], layout: &'static Layout, dual: bool, stamp: Stamp) -> Result<Self, PacketError> {
-        let group_len = layout.blocks_per_firing * if dual { 2 } else { 1 };
-        let mut checked = Self {
-            layout,
-            blocks: bytes::tail(packet, layout.blocks_at),
-            dual,
-            mode: stamp.mode,
-            groups: layout.blocks / group_len.max(1),
-            azimuths: [0; MAX_GROUPS],
-            time_ns: stamp.time_ns,
-            clock_wrap_ns: stamp.clock_wrap_ns,
-            sequence: stamp.sequence,
-        };
-        let groups = checked.blocks.chunks((layout.block_len * group_len).max(1)).take(checked.groups);
-        for ((group, azimuth), nth) in groups.zip(&mut checked.azimuths).zip(0..) {
-            *azimuth = shared_azimuth(group, layout, nth * group_len)?;
+    #[inline(always)]
+    pub fn new(packet: &'p [u8], Frame { layout, dual, stamp }: Frame) -> Result<Self, PacketError> {
+        let group_len = layout.group_len(dual);
+        let blocks = bytes::tail(packet, layout.blocks_at);
+        let mut azimuths = [0; MAX_GROUPS];
+        let mut shared = azimuths.iter_mut();
+        let (mut first, mut left, mut groups) = (0, 0, 0);
+        for (block, nth) in blocks.chunks_exact(layout.block_len.max(1)).take(layout.blocks).zip(0..) {
+            let found = le_u16(block, layout.azimuth_at);
+            if left == 0 {
+                (first, left, groups) = (found, group_len, groups + 1);
+                shared.next().into_iter().for_each(|azimuth| *azimuth = found);
+            }
+            left -= 1;
+            if found >= TICKS_PER_TURN {
+                return Err(PacketError::Azimuth { block: nth, found, expected: TICKS_PER_TURN });
+            }
+            if found != first && forward(first, found) > layout.spread {
+                return Err(PacketError::Azimuth { block: nth, found, expected: first });
+            }
         }
-        Ok(checked)
+        let Stamp { mode, time_ns, clock_wrap_ns, sequence } = stamp;
+        Ok(Self { layout, blocks, dual, mode, groups, azimuths, time_ns, clock_wrap_ns, sequence })
     }
 
     /// Firings in the packet.
@@ -105,19 +130,20 @@ impl<'p> SpinPacket<'p> {
         self.layout.model.facts().period_ns
     }
 
-    /// The cells of the `nth` firing of a group.
-    #[inline(always)]
-    pub fn cells(&self, group: usize, nth: usize) -> Cells<'p> {
+    /// Azimuth and bytes of each group.
+    pub fn groups(&self) -> impl Iterator<Item = (u16, &'p [u8])> {
+        let group_len = self.layout.block_len * self.layout.group_len(self.dual);
+        self.azimuths().iter().copied().zip(self.blocks.chunks(group_len.max(1)))
+    }
+
+    /// How the cells of every firing lie.
+    pub fn shape(&self, pick: Pick) -> CellShape {
         let layout = self.layout;
-        let repeats = if self.dual { 2 } else { 1 };
-        let block = group * layout.blocks_per_firing * repeats;
-        let before = nth * layout.run_len * layout.cell_len;
-        Cells {
-            bytes: bytes::tail(self.blocks, block * layout.block_len + layout.cells_at + before),
+        CellShape {
             format: layout.cell,
-            pick: Pick::Only,
+            pick,
             to_second: layout.block_len,
-            to_next_run: layout.block_len * repeats,
+            to_next_run: layout.block_len * repeats(self.dual),
             run_len: layout.run_len,
             beam_of_channel: layout.model.facts().beam_of_channel,
         }
@@ -170,22 +196,6 @@ impl<'p> SpinPacket<'p> {
         let group_ns = self.period_ns() * self.layout.firings_per_block as u32;
         (group_ns / 1000 * MAX_TURNS_PER_SECOND * 36 / 1000) as u16
     }
-}
-
-/// The azimuth that all blocks of a group share.
-fn shared_azimuth(group: &[u8], layout: &Layout, block: usize) -> Result<u16, PacketError> {
-    let mut shared = None;
-    for (bytes, nth) in group.chunks(layout.block_len.max(1)).zip(block..) {
-        let found = le_u16(bytes, layout.azimuth_at);
-        let first = *shared.get_or_insert(found);
-        let expected = match found {
-            TICKS_PER_TURN.. => TICKS_PER_TURN,
-            _ if forward(first, found) > layout.spread => first,
-            _ => continue,
-        };
-        return Err(PacketError::Azimuth { block: nth as u8, found, expected });
-    }
-    Ok(shared.unwrap_or(0))
 }
 
 /// How the azimuth runs through one packet.

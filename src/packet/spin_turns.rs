@@ -5,7 +5,8 @@
 //! that does not follow is refused but remembered, and if the next packet follows *it*, the stream
 //! goes on from there. So a damaged azimuth costs its own packet and a restarted sensor the first.
 
-use super::column::{Cells, Pick};
+use super::bytes;
+use super::column::{CellShape, Cells, Pick};
 use super::event::OpenTurn;
 use super::model::TICKS_PER_TURN;
 use super::spin::{SpinPacket, Sweep, forward, signed};
@@ -119,7 +120,7 @@ impl SpinTurns {
             .step_q8(per_block)
             .or_else(|| self.first_step(packet))
             .or(self.last.map(|last| last.step_q8))
-            .unwrap_or(nominal_step_q8(packet.period_ns()));
+            .unwrap_or_else(|| nominal_step_q8(packet.period_ns()));
         let azimuths = packet.azimuths();
         let (first, last) = match azimuths {
             &[first, .., last] => (first, last),
@@ -165,9 +166,15 @@ impl SpinTurns {
         };
         match self.judge(packet, sweep, &last, mark) {
             Link::Follows { ticks, columns } => {
-                self.learn_blind_sector(packet, mark);
-                let cause = self.cause(last.last, mark);
-                self.skip(ticks, columns, cause, stats, sink);
+                if self.candidate.is_some() {
+                    self.learn_blind_sector(packet, mark);
+                }
+                if columns == 0 {
+                    self.step(ticks as i32, stats, sink);
+                } else {
+                    let cause = self.cause(last.last, mark);
+                    self.skip(ticks, columns, cause, stats, sink);
+                }
                 Ok(())
             }
             Link::Refused(error) => self.doubt(error, packet, sweep, mark, &last, stats, sink),
@@ -321,24 +328,29 @@ impl SpinTurns {
         stats: &mut PacketStats,
         sink: &mut impl FnMut(Event<'_>),
     ) {
-        let per_block = packet.layout.firings_per_block;
+        let layout = packet.layout;
+        let (run_len, period_ns) = (layout.run_len * layout.cell_len, u64::from(packet.period_ns()));
+        let shape = packet.shape(picks.first().copied().unwrap_or(Pick::Only));
+        let second = picks.get(1).map(|&pick| CellShape { pick, ..shape });
         let mut at = mark.first;
         let mut time_ns = packet.time_ns;
-        for (&azimuth, group) in packet.azimuths().iter().zip(0..) {
+        for ((azimuth, bytes), group) in packet.groups().zip(0..) {
             if sweep.jump_to_group == Some(group) {
                 time_ns += self.leap(at, azimuth, mark.step_q8, packet, stats, sink);
                 at = azimuth;
             }
-            for nth in 0..per_block {
-                let tick = nth_tick(azimuth, nth, mark.step_q8);
+            let mut bytes = bytes::tail(bytes, layout.cells_at);
+            for nth in 0..layout.firings_per_block {
+                let tick = if nth == 0 { azimuth } else { nth_tick(azimuth, nth, mark.step_q8) };
                 self.step(signed(at, tick), stats, sink);
                 at = tick;
                 let place = Place { tick, step_q8: mark.step_q8, time_ns };
-                self.give(place, packet.cells(group, nth), picks, stats, sink);
-                time_ns += u64::from(packet.period_ns());
+                self.give(place, bytes, &shape, second.as_ref(), stats, sink);
+                bytes = bytes::tail(bytes, run_len);
+                time_ns += period_ns;
             }
         }
-        let end_ns = time_ns - u64::from(packet.period_ns());
+        let end_ns = time_ns - period_ns;
         self.last = Some(Mark { end_ns, step_q8: self.smooth_step(packet, mark), ..*mark });
     }
 
@@ -347,8 +359,9 @@ impl SpinTurns {
     fn give(
         &mut self,
         Place { tick, step_q8, time_ns }: Place,
-        cells: Cells<'_>,
-        picks: &[Pick],
+        bytes: &[u8],
+        shape: &CellShape,
+        second: Option<&CellShape>,
         stats: &mut PacketStats,
         sink: &mut impl FnMut(Event<'_>),
     ) {
@@ -356,9 +369,9 @@ impl SpinTurns {
             self.turn.end(TurnCut::Overflow, stats, sink);
         }
         let index = self.turn.next();
-        for (&pick, layer) in picks.iter().zip(0..) {
-            // Made where it is given: a copy of a column costs as much as two of its returns.
-            sink(Event::Column(Column { index, tick, step_q8, layer, time_ns, cells: Cells { pick, ..cells } }));
+        sink(Event::Column(Column { index, tick, step_q8, layer: 0, time_ns, cells: Cells { bytes, shape } }));
+        if let Some(shape) = second {
+            sink(Event::Column(Column { index, tick, step_q8, layer: 1, time_ns, cells: Cells { bytes, shape } }));
         }
         self.turn.count_column(stats);
     }
@@ -405,7 +418,8 @@ fn nominal_step_q8(period_ns: u32) -> u32 {
 /// Tick of the `nth` firing of a block.
 fn nth_tick(azimuth: u16, nth: usize, step_q8: u32) -> u16 {
     let tick = u32::from(azimuth) + ((nth as u32 * step_q8 + 128) >> 8);
-    (tick % u32::from(TICKS_PER_TURN)) as u16
+    // Mostly it is within the turn, and a comparison costs less than the remainder.
+    if tick < u32::from(TICKS_PER_TURN) { tick as u16 } else { (tick % u32::from(TICKS_PER_TURN)) as u16 }
 }
 
 /// Columns that fit into `ticks`, to the nearest.
@@ -454,14 +468,14 @@ fn contiguous(last: &Mark, mark: &Mark, elapsed_ns: i64, period_ns: u32) -> Opti
     if (ticks - step).abs() > half.max(1) {
         return None;
     }
-    match (by_number(last, mark), by_time(last, mark, elapsed_ns, period_ns)) {
-        (Some(Link::Follows { ticks, columns }), Some(Link::Follows { columns: timed, .. }))
-            if columns.abs_diff(timed) < mark.firings =>
-        {
-            Some(Link::Follows { ticks, columns })
-        }
-        _ => Some(Link::Follows { ticks, columns: 0 }),
+    // Most sensors have no numbers: then the time, which costs a division, need not be asked.
+    if let Some(Link::Follows { ticks, columns }) = by_number(last, mark)
+        && let Some(Link::Follows { columns: timed, .. }) = by_time(last, mark, elapsed_ns, period_ns)
+        && columns.abs_diff(timed) < mark.firings
+    {
+        return Some(Link::Follows { ticks, columns });
     }
+    Some(Link::Follows { ticks, columns: 0 })
 }
 
 /// The time says how many firings are between.

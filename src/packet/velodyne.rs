@@ -18,9 +18,9 @@
 //! (HDL-32E). VLS-128: as two open drivers read it (ROS `velodyne`, `velodyne_decoder`); its
 //! product byte is 0x63 in the VLP-16 manual and 0xa1 on the wire, and both are taken.
 
-use super::bytes::{byte, check_marker, le_u32};
+use super::bytes::{byte, check_marker, check_markers, le_u32};
 use super::column::CellFormat;
-use super::spin::{Layout, SpinPacket, Stamp};
+use super::spin::{Frame, Layout, Stamp};
 use super::{Model, PacketError};
 
 /// Bytes of every Velodyne data packet.
@@ -63,8 +63,8 @@ static VLS128: Layout = Layout {
 };
 static VLS128_DUAL: Layout = Layout { blocks_per_firing: 4, blocks: 8, spread: 60, ..layout(Model::Vls128, 32, 1) };
 
-/// Checks a packet of [`LEN`] bytes.
-pub(super) fn check(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
+/// Checks the frame of a packet of [`LEN`] bytes.
+pub(super) fn check(packet: &[u8]) -> Result<Frame, PacketError> {
     let mode = byte(packet, MODE_AT);
     let layout = layout_of(byte(packet, PRODUCT_AT), mode == DUAL)?;
     if !MODES.contains(&mode) {
@@ -77,7 +77,7 @@ pub(super) fn check(packet: &[u8]) -> Result<SpinPacket<'_>, PacketError> {
         clock_wrap_ns: HOUR_NS,
         sequence: None,
     };
-    SpinPacket::new(packet, layout, mode == DUAL, stamp)
+    Ok(Frame { layout, dual: mode == DUAL, stamp })
 }
 
 fn layout_of(product: u8, dual: bool) -> Result<&'static Layout, PacketError> {
@@ -95,6 +95,9 @@ fn layout_of(product: u8, dual: bool) -> Result<&'static Layout, PacketError> {
 /// Every block starts with 0xeeff, but the second to fourth bank of a VLS-128: 0xddff, 0xccff,
 /// 0xbbff.
 fn check_flags(packet: &[u8], layout: &Layout, dual: bool) -> Result<(), PacketError> {
+    if layout.blocks_per_firing == 1 {
+        return check_markers(packet, layout.blocks, layout.block_len, FLAG);
+    }
     let repeats = if dual { 2 } else { 1 };
     for block in 0..layout.blocks {
         let bank = block / repeats % layout.blocks_per_firing.max(1);
