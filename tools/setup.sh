@@ -28,6 +28,7 @@ missing_tools() {
     have arm-none-eabi-gcc && have arm-none-eabi-size || echo "gcc-arm-none-eabi: arm-none-eabi-gcc, -size, -nm"
     have aarch64-linux-gnu-objdump || echo "binutils-aarch64-linux-gnu: aarch64-linux-gnu-ld, -objdump"
     have valgrind || echo "valgrind: valgrind"
+    have python3 || echo "python3: python3"
     [[ $(uname -m) == aarch64 ]] && return
     have qemu-aarch64 || echo "qemu-user: qemu-aarch64"
     have aarch64-linux-gnu-gcc || echo "gcc-aarch64-linux-gnu: aarch64-linux-gnu-gcc"
