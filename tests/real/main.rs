@@ -11,9 +11,12 @@ mod context;
 mod deflate;
 #[cfg(feature = "cli")]
 mod eval;
+mod fast;
 mod files;
 #[path = "../../examples/train_priors/firings.rs"]
 mod firing_images;
+#[path = "../common/firings.rs"]
+mod firing_turns;
 mod firings;
 mod geometry;
 mod lattice;
@@ -42,6 +45,7 @@ const TESTS: &[(&str, fn())] = &[
     ("firings::shared_firings_are_found_from_the_points", firings::shared_firings_are_found_from_the_points),
     #[cfg(feature = "cli")]
     ("eval::the_papers_frame_of_a_kitti_scan", eval::the_papers_frame_of_a_kitti_scan),
+    ("fast::the_bytes_are_those_of_the_format", fast::the_bytes_are_those_of_the_format),
     ("files::point_files_are_read", files::point_files_are_read),
     ("files::pcd_files_are_what_pcd_rs_reads", files::pcd_files_are_what_pcd_rs_reads),
     ("geometry::columns_are_those_of_double_precision", geometry::columns_are_those_of_double_precision),
