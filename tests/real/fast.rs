@@ -31,7 +31,9 @@ pub fn the_bytes_are_those_of_the_format() {
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
     let found = CHECKSUMS.map(|(levels, _)| {
         let mut digest = crc.digest();
-        turns.iter().for_each(|turn| digest.update(&payload(turn, Step::new(levels).unwrap())));
+        for turn in &turns {
+            digest.update(&payload(turn, Step::new(levels).unwrap()));
+        }
         (levels, digest.finalize())
     });
     assert_eq!(found, CHECKSUMS);
