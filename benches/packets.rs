@@ -151,7 +151,15 @@ fn main() {
     for kind in KINDS.iter().filter(|kind| only.as_ref().is_none_or(|only| only == kind.name)) {
         let beams = beams(kind.channels);
         let (range_unit_m, beams) = (0.002, beams.as_slice());
-        let grid = SensorGrid { name: kind.name, beams, ticks: 36_000, clockwise: true, zero_rad: 0.0, range_unit_m };
+        let grid = SensorGrid {
+            name: kind.name,
+            beams,
+            ticks: 36_000,
+            clockwise: true,
+            zero_rad: 0.0,
+            range_unit_m,
+            range_from_axis: false,
+        };
         let config = GridConfig::new(grid, COLUMNS);
         let mut levels = vec![0; beams.len() * usize::from(COLUMNS)];
         measure(kind, &config, &mut levels, rounds);

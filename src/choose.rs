@@ -5,11 +5,12 @@ use std::string::String;
 use std::vec;
 use std::vec::Vec;
 
+use crate::beam_order::rows_in_order;
 use crate::config::{Config, LatticeConfig, Scale, Settings};
 use crate::encoder::{FrameEncoder, Stamp};
 use crate::error::EncodeError;
 use crate::fit::GridFit;
-use crate::geometry::{Lattice, SensorGrid, azimuth_rad, nearest_row};
+use crate::geometry::{Lattice, SensorGrid};
 use crate::image::ImageViewMut;
 use crate::tally::Tally;
 use crate::{Store, UniformView};
@@ -95,7 +96,7 @@ pub fn choose_geometry(
 ) -> Result<Advice, EncodeError> {
     let own = Lattice::<LINES>::new(*sensor, sensor.ticks as usize)?;
     let even = Lattice::<LINES>::new(*sensor, columns)?;
-    let rows = rows_in_order(points, &even);
+    let rows = rows_in_order(points, sensor);
     let mut trials = vec![
         try_lattice(GeometryChoice::OwnGrid, points, &own, None)?,
         try_lattice(GeometryChoice::EvenColumns, points, &even, None)?,
@@ -173,52 +174,4 @@ fn attempt<S: Settings>(
     let mut frame = FrameEncoder::start(config, Stamp::default(), image, &mut coder)?;
     insert(&mut frame);
     Ok((*frame.tally(), frame.fit()))
-}
-
-/// The beam of each point in a file that holds beam after beam, each by azimuth from ahead over the left, as KITTI's
-/// do: a new beam begins where the azimuth starts over. `None` where that does not make as many beams as the sensor
-/// has, or others than the points' heights say.
-fn rows_in_order(points: &[[f32; 3]], lattice: &Lattice<'_, LINES>) -> Option<Vec<u16>> {
-    use core::f32::consts::{PI, TAU};
-    let (mut run, mut before) = (0_usize, 0.0_f32);
-    let mut runs = Vec::with_capacity(points.len());
-    for &[x, y, _] in points {
-        let azimuth = azimuth_rad(y, x);
-        let azimuth = if azimuth < 0.0 { azimuth + TAU } else { azimuth };
-        if before - azimuth > PI {
-            run += 1;
-        } else if azimuth - before > 0.95 * TAU {
-            // A point just before the start, among those just behind it.
-            run = run.saturating_sub(1);
-        }
-        before = azimuth;
-        runs.push(run);
-    }
-    let beams = lattice.grid().beams.len();
-    let count = runs.iter().max()? + 1;
-    let middles = middle_rows(points, &runs, count, lattice);
-    // Beams that saw nothing are not in the file: each run is then the nearest beam that keeps the order.
-    let mut next = 0;
-    let mut row_of = Vec::with_capacity(count);
-    for (run, middle) in middles.iter().enumerate() {
-        let latest = (beams + run).checked_sub(count)?;
-        let row = if count == beams { run } else { usize::from(*middle).clamp(next, latest.max(next)) };
-        next = row + 1;
-        row_of.push(row as u16);
-    }
-    let agree = middles.iter().zip(&row_of).filter(|(middle, row)| middle.abs_diff(**row) <= 2).count();
-    (agree * 10 >= count * 9).then(|| runs.iter().map(|&run| row_of[run]).collect())
-}
-
-/// The median of the nearest rows of each run's points.
-fn middle_rows(points: &[[f32; 3]], runs: &[usize], count: usize, lattice: &Lattice<'_, LINES>) -> Vec<u16> {
-    let mut rows = vec![Vec::new(); count];
-    for (&point, &run) in points.iter().zip(runs) {
-        rows[run].push(nearest_row(lattice, point));
-    }
-    let middle = |rows: &mut Vec<u16>| {
-        rows.sort_unstable();
-        rows.get(rows.len() / 2).copied().unwrap_or(0)
-    };
-    rows.iter_mut().map(middle).collect()
 }

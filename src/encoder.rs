@@ -1,16 +1,19 @@
 //! Wires the stages: points -> range image -> payload -> frame.
 
-use crate::coder::{Coder, CoderId, DeflateDefault};
+mod by_firings;
+
+use crate::beside::Beside;
+use crate::coder::{Coder, CoderId, DeflateDefault, OutputFull};
 use crate::config::{Config, FrameSettings, GridSettings, LatticeConfig, Settings, quantizer};
 use crate::error::{ConfigError, EncodeError};
 use crate::firings_config::FiringsConfig;
 use crate::fit::GridFit;
 use crate::frame::{self, GeometryFields, Header};
-use crate::geometry::OnRows;
 use crate::image::{ImageView, ImageViewMut, Level, RangeImage};
-use crate::insert::{farthest_m, insert};
+use crate::insert::{Along, Numbers, farthest_m, insert};
 use crate::packet::Column;
-use crate::point::{BLOCK_LEN, Points};
+use crate::plane::Planes;
+use crate::point::Points;
 use crate::quantize::Quantizer;
 use crate::returns::{GridReturn, ReturnScale};
 use crate::tally::Tally;
@@ -105,13 +108,19 @@ impl<const ROWS: usize, const COLS: usize, L: Level, C> Encoder<ROWS, COLS, L, C
 }
 
 impl<const ROWS: usize, const COLS: usize, L: Level, C: Coder<L>> Encoder<ROWS, COLS, L, C> {
-    /// Output bytes that are enough for every frame.
+    /// Output bytes that are enough for every frame of one strip.
     pub const WORST_CASE_LEN: usize = frame::worst_case_len::<L, C>(ROWS * COLS);
+
+    /// Output bytes that are enough for every frame of `strips` strips.
+    #[must_use]
+    pub const fn worst_case_len_in_strips(strips: u16) -> usize {
+        frame::worst_case_len_in_strips::<L, C>(ROWS, COLS, strips)
+    }
 
     /// Encodes a whole scan to the front of `out`.
     ///
     /// # Errors
-    /// [`EncodeError::OutputTooSmall`], never with [`WORST_CASE_LEN`](Self::WORST_CASE_LEN) bytes;
+    /// [`EncodeError::OutputTooSmall`], never with [`WORST_CASE_LEN`](Self::WORST_CASE_LEN) bytes and a frame of one strip;
     /// [`EncodeError::Config`].
     pub fn encode(
         &mut self,
@@ -216,12 +225,40 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
         Ok(Self { frame, scale: None, image, coder })
     }
 
+    /// As [`start`](Self::start), with the scale that `config` and these points ask for; they are yet to be inserted.
+    ///
+    /// # Errors
+    /// [`EncodeError::Config`].
+    pub fn start_for(
+        config: &S,
+        points: &(impl Points + ?Sized),
+        stamp: Stamp,
+        mut image: ImageViewMut<'a, L>,
+        coder: &'a mut C,
+    ) -> Result<Self, EncodeError>
+    where
+        S: Settings,
+    {
+        let frame = OpenFrame::begin(config, || Some(farthest_m(points)), stamp, &mut image)?;
+        Ok(Self { frame, scale: None, image, coder })
+    }
+
     /// Puts points into the image.
     pub fn insert(&mut self, points: &(impl Points + ?Sized))
     where
         S: Settings,
     {
-        self.frame.insert(points, &mut self.image);
+        self.frame.insert(points, &mut self.image, ());
+    }
+
+    /// As [`insert`](Self::insert), with an intensity for each point: `number_of` gives that of the point at an index of
+    /// `points`, and where a pixel keeps the point, it goes into `plane`, which has a number for every pixel. To be
+    /// finished by [`finish_with`](Self::finish_with).
+    pub fn insert_lit(&mut self, points: &(impl Points + ?Sized), number_of: impl FnMut(usize) -> u8, plane: &mut [u8])
+    where
+        S: Settings,
+    {
+        self.frame.insert(points, &mut self.image, Numbers { of: number_of, first: 0, plane });
     }
 
     /// Puts returns into the image, in their sensor's own integers: each into the pixel that its point would get, its
@@ -232,6 +269,19 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
         S: GridSettings,
     {
         self.frame.insert_returns(returns, &mut self.image);
+    }
+
+    /// As [`insert_returns`](Self::insert_returns), with an intensity for each return, which goes into `plane` as with
+    /// [`insert_lit`](Self::insert_lit).
+    pub fn insert_lit_returns<R: Into<GridReturn>>(
+        &mut self,
+        returns: impl IntoIterator<Item = (R, u8)>,
+        plane: &mut [u8],
+    ) where
+        S: GridSettings,
+    {
+        let returns = returns.into_iter().map(|(found, number)| (found.into(), number));
+        self.frame.insert_returns_with(returns, &mut self.image, |pixel, number| keep(plane, pixel, number));
     }
 
     /// Puts one firing of a sensor's packet into the image: as [`insert_returns`](Self::insert_returns) does its cells,
@@ -260,6 +310,11 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
         self.frame.insert_column(column, scale, &mut self.image);
     }
 
+    /// The frame, its image and its coder.
+    pub(crate) fn into_parts(self) -> (OpenFrame<S>, ImageViewMut<'a, L>, &'a mut C) {
+        (self.frame, self.image, self.coder)
+    }
+
     /// What became of the points so far.
     #[must_use]
     pub const fn tally(&self) -> &Tally {
@@ -279,6 +334,23 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     pub fn finish(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
         self.frame.finish(self.image.as_view(), self.coder, out)
     }
+
+    /// As [`finish`](Self::finish), with planes besides the ranges. They take at most
+    /// [`worst_case_len`](Planes::worst_case_len) bytes more.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish); [`ConfigError::Plane`] where a plane is not of the image's size,
+    /// [`ConfigError::CoderRows`] where its coder has not as many rows.
+    pub fn finish_with(self, planes: Planes<'_>, out: &mut [u8]) -> Result<Encoded, EncodeError> {
+        self.frame.finish_with(self.image.as_view(), self.coder, planes, out)
+    }
+}
+
+/// A number into the plane, for a return that a pixel keeps.
+fn keep(plane: &mut [u8], pixel: usize, number: u8) {
+    if let Some(kept) = plane.get_mut(pixel) {
+        *kept = number;
+    }
 }
 
 impl<L: Level, C: Coder<L>, const LINES: usize, const NODES: usize>
@@ -286,15 +358,40 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const NODES: usize>
 {
     /// Puts points into the image whose beams are known: from a file's ring numbers or its order. Where one of the two
     /// is longer, its rest is left out; points of a row that there is not are counted as out of view or clamped.
+    ///
+    /// It is meant for scans off the sensor's grid: a point whose pixel is taken goes into the nearest free one, at
+    /// most six columns away, is counted as displaced, and measured where it then is. Where none is free, the policy
+    /// says which of the points the pixel keeps.
     pub fn insert_on_rows(&mut self, points: &[[f32; 3]], rows: &[u16]) {
+        self.insert_on_rows_with(points, rows, |_, _| {});
+    }
+
+    /// As [`insert_on_rows`](Self::insert_on_rows), with intensities as with [`insert_lit`](Self::insert_lit).
+    pub fn insert_lit_on_rows(
+        &mut self,
+        points: &[[f32; 3]],
+        rows: &[u16],
+        mut number_of: impl FnMut(usize) -> u8,
+        plane: &mut [u8],
+    ) {
+        self.insert_on_rows_with(points, rows, |index, pixel| keep(plane, pixel, number_of(index)));
+    }
+
+    /// `keep` is told of each point that a pixel keeps.
+    fn insert_on_rows_with(&mut self, points: &[[f32; 3]], rows: &[u16], mut keep: impl FnMut(usize, usize)) {
         let OpenFrame { config, quantizer, tally, fit, .. } = &mut self.frame;
-        let lattice = config.lattice;
-        for (points, rows) in points.chunks(BLOCK_LEN).zip(rows.chunks(BLOCK_LEN)) {
-            let points = &points[..points.len().min(rows.len())];
-            insert(points, &OnRows { lattice, rows }, quantizer, config.policy, &mut self.image, tally);
-            if config.measure {
-                let pairs = points.iter().zip(rows);
-                pairs.for_each(|(&point, &row)| fit.add_one(lattice, quantizer, point, Some(row)));
+        let fit = if config.measure { Some(fit) } else { None };
+        let mut inserter = Beside {
+            lattice: config.lattice,
+            quantizer,
+            policy: config.policy,
+            levels: self.image.levels(),
+            tally,
+            fit,
+        };
+        for (index, (&point, &row)) in points.iter().zip(rows).enumerate() {
+            if let Some(pixel) = inserter.insert(point, row) {
+                keep(index, pixel);
             }
         }
     }
@@ -307,15 +404,39 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const WORDS: usize, const NODES:
     /// level within a rounding of the range count. Returns on a beam or tick that the grid does not have are counted as
     /// out of view, those of count 0 as no return.
     pub fn insert_fired<R: Into<GridReturn>>(&mut self, returns: impl IntoIterator<Item = R>) {
+        self.insert_fired_with(returns.into_iter().map(|found| (found.into(), ())), |_, ()| {});
+    }
+
+    /// As [`insert_fired`](Self::insert_fired), with an intensity for each return, which goes into `plane` as with
+    /// [`insert_lit`](Self::insert_lit).
+    pub fn insert_lit_fired<R: Into<GridReturn>>(
+        &mut self,
+        returns: impl IntoIterator<Item = (R, u8)>,
+        plane: &mut [u8],
+    ) {
+        let returns = returns.into_iter().map(|(found, number)| (found.into(), number));
+        self.insert_fired_with(returns, |pixel, number| keep(plane, pixel, number));
+    }
+
+    /// `keep` is told of each return that a pixel keeps, and what goes along with it.
+    fn insert_fired_with<A>(
+        &mut self,
+        returns: impl IntoIterator<Item = (GridReturn, A)>,
+        mut keep: impl FnMut(usize, A),
+    ) {
         let lattice = self.frame.projection;
         let grid = self.frame.config.every_tick.lattice.grid();
         let collision = self.frame.config.policy().collision;
         let scale = ReturnScale::new(grid, &self.frame.quantizer, self.frame.columns, collision);
-        for found in returns {
-            let found: GridReturn = found.into();
-            let at = lattice.column(found.row, found.tick);
-            scale.insert_one(found, at, &mut self.image, &mut self.frame.tally);
+        let mut off_grid = false;
+        for (found, along) in returns {
+            let (at, off) = lattice.column(found.row, found.tick).unzip();
+            if let Some(pixel) = scale.insert_one(found, at, &mut self.image, &mut self.frame.tally) {
+                keep(pixel, along);
+            }
+            off_grid |= off.is_some_and(|off| off > 0);
         }
+        self.frame.fit.add_returns(&self.frame.quantizer, !off_grid);
     }
 }
 
@@ -354,7 +475,7 @@ impl<S: FrameSettings> OpenFrame<S> {
         S: Settings,
     {
         let mut frame = Self::begin(config, || Some(farthest_m(points)), stamp, image)?;
-        frame.insert(points, image);
+        frame.insert(points, image, ());
         Ok(frame)
     }
 
@@ -378,23 +499,31 @@ impl<S: FrameSettings> OpenFrame<S> {
         rows: usize,
         columns: usize,
     ) -> Result<Self, EncodeError> {
-        let (found, scale) = config.levels();
+        let (found, scale, companding) = config.levels();
         if !(L::BITS_MIN..=L::BITS).contains(&found) {
             return Err(ConfigError::LevelBits { found, min: L::BITS_MIN, max: L::BITS }.into());
         }
-        let quantizer = quantizer((found, scale), farthest_m)?;
+        let quantizer = quantizer((found, scale, companding), farthest_m)?;
         let projection = config.projection(rows, columns)?;
         let (rows, columns) = (rows as u16, columns as u16);
+        let strips = config.strips();
+        if !(1..=columns).contains(&strips) {
+            return Err(ConfigError::Strips { found: strips, max: columns }.into());
+        }
         let (tally, fit) = (Tally::new(), S::Fit::default());
         Ok(Self { rows, columns, projection, quantizer, config: *config, stamp, tally, fit })
     }
 
     /// Puts points into the image that the frame was started with.
-    pub(crate) fn insert<L: Level>(&mut self, points: &(impl Points + ?Sized), image: &mut ImageViewMut<'_, L>)
-    where
+    pub(crate) fn insert<L: Level>(
+        &mut self,
+        points: &(impl Points + ?Sized),
+        image: &mut ImageViewMut<'_, L>,
+        along: impl Along,
+    ) where
         S: Settings,
     {
-        insert(points, &self.projection, &self.quantizer, self.config.policy(), image, &mut self.tally);
+        insert(points, &self.projection, &self.quantizer, self.config.policy(), image, &mut self.tally, along);
         self.config.measure(points, &self.quantizer, &mut self.fit);
     }
 
@@ -406,12 +535,26 @@ impl<S: FrameSettings> OpenFrame<S> {
     ) where
         S: GridSettings,
     {
+        self.insert_returns_with(returns.into_iter().map(|found| (found.into(), ())), image, |_, ()| {});
+    }
+
+    /// `keep` is told of each return that a pixel keeps, and what goes along with it.
+    pub(crate) fn insert_returns_with<L: Level, A>(
+        &mut self,
+        returns: impl IntoIterator<Item = (GridReturn, A)>,
+        image: &mut ImageViewMut<'_, L>,
+        mut keep: impl FnMut(usize, A),
+    ) where
+        S: GridSettings,
+    {
         let mut scale = self.return_scale();
-        for found in returns {
-            let found = found.into();
+        for (found, along) in returns {
             let at = scale.columns.column(found.tick);
-            scale.insert_one(found, at, image, &mut self.tally);
+            if let Some(pixel) = scale.insert_one(found, at, image, &mut self.tally) {
+                keep(pixel, along);
+            }
         }
+        self.config.measure_returns(&self.quantizer, &mut self.fit);
     }
 
     /// Puts one firing into the image that the frame was started with. `scale` is the frame's.
@@ -425,6 +568,7 @@ impl<S: FrameSettings> OpenFrame<S> {
         S: GridSettings,
     {
         scale.insert_column(column, image, &mut self.tally);
+        self.config.measure_returns(&self.quantizer, &mut self.fit);
     }
 
     /// The same for all frames of one configuration.
@@ -439,6 +583,19 @@ impl<S: FrameSettings> OpenFrame<S> {
     pub(crate) fn restart<L: Level>(&mut self, image: &mut ImageViewMut<'_, L>) {
         image.clear();
         (self.stamp, self.tally, self.fit) = (Stamp::default(), Tally::new(), S::Fit::default());
+    }
+
+    pub(crate) const fn settings(&self) -> &S {
+        &self.config
+    }
+
+    /// Range of level 1.
+    pub(crate) const fn step_m(&self) -> f32 {
+        self.quantizer.step_m()
+    }
+
+    pub(crate) const fn stamp(&self) -> Stamp {
+        self.stamp
     }
 
     /// To be set before the frame is finished.
@@ -457,15 +614,61 @@ impl<S: FrameSettings> OpenFrame<S> {
         coder: &mut C,
         out: &mut [u8],
     ) -> Result<Encoded, EncodeError> {
+        self.write(image, coder, out, |coder, strip, _, out| coder.encode(strip, out))
+    }
+
+    fn write<L: Level, C: Coder<L>>(
+        &self,
+        image: ImageView<'_, L>,
+        coder: &mut C,
+        out: &mut [u8],
+        encode: impl FnMut(&mut C, ImageView<'_, L>, usize, &mut [u8]) -> Result<usize, OutputFull>,
+    ) -> Result<Encoded, EncodeError> {
         let found = image.rows();
         if found > C::ROWS_MAX {
             return Err(ConfigError::CoderRows { found, max: C::ROWS_MAX }.into());
         }
         let (header, have) = (self.header(C::ID, coder.error_max()), out.len());
-        let worst_case = frame::worst_case_len::<L, C>(image.levels().len()) + header.more_than_uniform();
-        let len = frame::write(header, image, coder, out);
+        let strips = self.config.strips();
+        let worst_case = frame::worst_case_len_in_strips::<L, C>(found, image.columns(), strips);
+        let worst_case = worst_case + header.more_than_uniform();
+        let len = frame::write_by(header, image, strips, coder, out, encode);
         let len = len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?;
         Ok(Encoded { len, tally: self.tally, range_bound_m: header.range_bound_m(), fit: self.fit.into() })
+    }
+
+    /// As [`finish`](Self::finish), with planes besides the ranges.
+    pub(crate) fn finish_with<L: Level, C: Coder<L>>(
+        &self,
+        image: ImageView<'_, L>,
+        coder: &mut C,
+        planes: Planes<'_>,
+        out: &mut [u8],
+    ) -> Result<Encoded, EncodeError> {
+        self.finish_by(image, coder, planes, out, |coder, strip, _, out| coder.encode(strip, out))
+    }
+
+    /// The same with what `encode` makes of each strip, whose first column it is told.
+    pub(crate) fn finish_by<L: Level, C: Coder<L>>(
+        &self,
+        image: ImageView<'_, L>,
+        coder: &mut C,
+        planes: Planes<'_>,
+        out: &mut [u8],
+        encode: impl FnMut(&mut C, ImageView<'_, L>, usize, &mut [u8]) -> Result<usize, OutputFull>,
+    ) -> Result<Encoded, EncodeError> {
+        planes.check(image)?;
+        let have = out.len();
+        let more = planes.worst_case_len(image.rows(), image.columns(), self.config.strips().into());
+        let encoded = self.write(image, coder, out, encode).map_err(|error| match error {
+            EncodeError::OutputTooSmall { have, worst_case } => {
+                EncodeError::OutputTooSmall { have, worst_case: worst_case + more }
+            }
+            other => other,
+        })?;
+        let worst_case = encoded.len + more;
+        let len = planes.append(image, self.stamp.timestamp_ns, encoded.len, out);
+        Ok(Encoded { len: len.map_err(|_| EncodeError::OutputTooSmall { have, worst_case })?, ..encoded })
     }
 
     fn header(&self, coder: CoderId, error_max: u16) -> Header<S::Fields> {
@@ -478,7 +681,7 @@ impl<S: FrameSettings> OpenFrame<S> {
             coder,
             error_max,
             returns: self.tally.returns(),
-            geometry: self.config.fields(&self.fit).off_by(f32::from(error_max) * self.quantizer.step_m()),
+            geometry: self.config.fields(&self.fit).off_by(self.quantizer.apart_m(error_max)),
         }
     }
 }

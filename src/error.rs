@@ -23,6 +23,13 @@ pub enum ConfigError {
         /// Most bits for the pixel type.
         max: u32,
     },
+    /// A frame is cut into 1 strip to as many as it has columns.
+    Strips {
+        /// Strips asked for.
+        found: u16,
+        /// Columns.
+        max: u16,
+    },
     /// The largest range must be a positive, finite number of meters.
     MaxRange {
         /// Meters asked for.
@@ -45,6 +52,13 @@ pub enum ConfigError {
         found: usize,
         /// Most that there may be.
         max: usize,
+    },
+    /// A plane has a number for every pixel of the image, or for every column.
+    Plane {
+        /// Numbers there are.
+        found: usize,
+        /// Pixels or columns.
+        expected: usize,
     },
     /// A coder has state for a number of rows.
     CoderRows {
@@ -76,6 +90,18 @@ pub enum ConfigError {
     RangeUnit {
         /// Meters asked for.
         found_m: f32,
+    },
+    /// Columns whose beams are aligned take room for what is fired before the last of it; also where a turn's columns are
+    /// not given, or are more than 8192.
+    Delay {
+        /// Cells that it takes.
+        cells: usize,
+        /// Cells that there are.
+        cells_max: usize,
+        /// Firings that it takes.
+        firings: usize,
+        /// Firings that there is room for.
+        firings_max: usize,
     },
     /// Elevations must satisfy -90 degrees <= bottom < top <= 90 degrees.
     ElevationView {
@@ -184,11 +210,30 @@ pub enum DecodeError {
         /// Checksum of the grid.
         sensor: u32,
     },
+    /// The frame goes on from one that the decoder has not decoded last: it, or one between it and its key frame, is missing.
+    /// The next key frame needs none.
+    PreviousMissing {
+        /// Sequence number of the key frame.
+        key: u32,
+        /// Frames since that, this one included.
+        distance: u32,
+        /// Checksum of the frame before.
+        need: u32,
+        /// That of the frame that was decoded last, if it was one to go on from.
+        have: Option<u32>,
+    },
     /// A strip's payload does not decode to its pixels.
     Payload {
         /// Number of the strip, from 0.
         strip: u32,
         /// What the coder met.
+        fault: PayloadFault,
+    },
+    /// A section behind the strips is none that there is, is not in its place, or does not decode to what it should.
+    Section {
+        /// The number that the frame gives it.
+        kind: u8,
+        /// What was met.
         fault: PayloadFault,
     },
 }
@@ -282,6 +327,7 @@ impl fmt::Display for ConfigError {
             Self::LevelBits { found, min, max } => {
                 write!(f, "levels of {found} bits asked for: expected {min} to {max}")
             }
+            Self::Strips { found, max } => write!(f, "{found} strips asked for: expected 1 to {max}, the columns"),
             Self::MaxRange { found_m } => {
                 write!(f, "a largest range of {found_m} m asked for: expected a positive, finite number")
             }
@@ -289,6 +335,7 @@ impl fmt::Display for ConfigError {
                 write!(f, "an image of {columns} x {rows}: expected the lattice's {expected_columns} x {expected_rows}")
             }
             Self::Beams { found, max } => write!(f, "a sensor of {found} beams: expected 1 to {max}"),
+            Self::Plane { found, expected } => write!(f, "a plane of {found} numbers: expected {expected}"),
             Self::CoderRows { found, max } => write!(f, "{found} rows: the coder has room for {max}"),
             Self::Beam { row } => {
                 write!(f, "beam {row} is not lower than the one before, or has numbers that no sensor has")
@@ -298,6 +345,12 @@ impl fmt::Display for ConfigError {
                 write!(f, "no firing: expected some, at ticks below {ticks}")
             }
             Self::Firings { tick, ticks } => write!(f, "a firing at tick {tick}: expected less than {ticks}"),
+            Self::Delay { cells, cells_max, firings, firings_max } => {
+                write!(
+                    f,
+                    "aligned columns take {cells} cells and {firings} firings: there are {cells_max} and {firings_max}"
+                )
+            }
             Self::RangeUnit { found_m } => write!(f, "a range unit of {found_m} m: expected more than 0 and at most 1"),
             Self::ElevationView { top_rad, bottom_rad } => write!(
                 f,
@@ -356,7 +409,28 @@ impl fmt::Display for DecodeError {
             Self::UnknownSensor { sensor } => {
                 write!(f, "the frame is on the grid of a sensor that is not known here: {sensor:08x}")
             }
+            Self::PreviousMissing { key, distance, need, have } => {
+                let have = Checksum(have);
+                write!(
+                    f,
+                    "the frame before this one is missing: expected {need:08x}, decoded last {have}; it is frame {distance} \
+                     since key frame {key}"
+                )
+            }
             Self::Payload { strip, fault } => write!(f, "payload of strip {strip}: {fault}"),
+            Self::Section { kind, fault } => write!(f, "section {kind}: {fault}"),
+        }
+    }
+}
+
+/// A frame's checksum, if there is one.
+struct Checksum(Option<u32>);
+
+impl fmt::Display for Checksum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(checksum) => write!(f, "{checksum:08x}"),
+            None => f.write_str("none to go on from"),
         }
     }
 }

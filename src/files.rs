@@ -2,8 +2,8 @@
 //!
 //! | extension | format | read | written |
 //! |---|---|---|---|
-//! | `.bin` | [`kitti`]: x, y, z, intensity | yes | yes |
-//! | `.xyzir.bin` | [`kitti`] with the ring as a fifth number | yes | yes |
+//! | `.bin` | [`kitti`]: x, y, z, intensity; read with rings too ([`kitti::parse_either`]) | yes | yes |
+//! | `.xyzir.bin`, `.pcd.bin` (nuScenes) | [`kitti`] with the ring as a fifth number | yes | yes |
 //! | `.pcd` | [`pcd`]: ASCII, binary, LZF-compressed | yes | binary |
 //! | `.ply` | [`ply`] | no | binary, little-endian |
 //!
@@ -83,7 +83,7 @@ impl PointCloud {
 pub enum Format {
     /// `.bin`: [`kitti`].
     Kitti,
-    /// `.xyzir.bin`: [`kitti`] with rings.
+    /// `.xyzir.bin` and `.pcd.bin`: [`kitti`] with rings.
     KittiRing,
     /// `.pcd`: [`pcd`].
     Pcd,
@@ -105,6 +105,8 @@ impl Format {
         let extensions = [
             // The longer first: both end in `.bin`.
             (".xyzir.bin", Self::KittiRing),
+            // nuScenes.
+            (".pcd.bin", Self::KittiRing),
             (".bin", Self::Kitti),
             (".pcd", Self::Pcd),
             (".ply", Self::Ply),
@@ -114,14 +116,14 @@ impl Format {
     }
 }
 
-/// Reads a file in the format of its extension: `.bin`, `.xyzir.bin` or `.pcd`.
+/// Reads a file in the format of its extension: `.bin` (with rings or without), `.xyzir.bin`, `.pcd.bin` or `.pcd`.
 ///
 /// # Errors
 /// [`FileError::Extension`] for any other, [`FileError::Io`] if the file cannot be read, [`FileError::Parse`] if it is
 /// not what its extension says.
 pub fn read(path: &Path) -> Result<PointCloud, FileError> {
     let parse = match Format::of(path) {
-        Some(Format::Kitti) => kitti::parse,
+        Some(Format::Kitti) => kitti::parse_either,
         Some(Format::KittiRing) => kitti::parse_with_rings,
         Some(Format::Pcd) => pcd::parse,
         _ => return Err(FileError::extension(path, ".bin, .xyzir.bin or .pcd")),

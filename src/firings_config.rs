@@ -7,7 +7,7 @@ use crate::frame::{BeamsHeader, FiringsHeader};
 use crate::geometry::{FiringLattice, Firings, Projection, bitmap_len};
 use crate::insert::Policy;
 use crate::point::Points;
-use crate::quantize::Quantizer;
+use crate::quantize::{Companding, Quantizer};
 
 /// A frame on the sensor's own grid with a column for each firing of this turn: every return comes back on its beam and
 /// tick. The image must have a row for each beam and a column for each firing.
@@ -36,8 +36,9 @@ impl<const LINES: usize, const WORDS: usize, const NODES: usize> FiringsConfig<'
     /// Output bytes that are enough for every frame with as many firings.
     #[must_use]
     pub const fn worst_case_len<L: crate::image::Level, C: crate::coder::Coder<L>>(&self) -> usize {
-        let rows = self.every_tick.lattice.grid().beams.len();
-        let len = beams_worst_case_len::<L, C>(rows, self.firings.len() as usize, self.every_tick.table);
+        let LatticeConfig { lattice, table, strips, .. } = self.every_tick;
+        let (rows, columns) = (lattice.grid().beams.len(), self.firings.len() as usize);
+        let len = beams_worst_case_len::<L, C>(rows, columns, strips, table);
         len + bitmap_len(self.firings.ticks())
     }
 }
@@ -55,12 +56,20 @@ impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> FrameSettin
         Ok(lattice)
     }
 
-    fn levels(&self) -> (u32, Scale) {
+    fn levels(&self) -> (u32, Scale, Companding) {
         self.every_tick.levels()
     }
 
     fn policy(&self) -> Policy {
         self.every_tick.policy
+    }
+
+    fn strips(&self) -> u16 {
+        self.every_tick.strips
+    }
+
+    fn for_each_firing(&self, each: &mut dyn FnMut(u32)) {
+        self.firings.iter().for_each(each);
     }
 
     fn fields(&self, fit: &GridFit) -> FiringsHeader<'a, WORDS> {

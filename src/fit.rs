@@ -64,10 +64,18 @@ impl GridFit {
         Self { points: 0, across: NONE, around: NONE, along: NONE, farthest_m: 0.0 }
     }
 
-    /// Most that any measured point is from where it is decoded, meters; 0 where there is none.
+    /// Most that any measured point is from where it is decoded, meters; 0 where there is none, infinite where returns
+    /// went to other columns than their ticks'.
     #[must_use]
     pub const fn point_bound_m(&self) -> f32 {
         self.farthest_m
+    }
+
+    /// Takes account of returns in their sensor's integers: on their own ticks they are off by no more than a range's
+    /// rounding, and by what floats do to a position; elsewhere nobody knows.
+    pub(crate) fn add_returns(&mut self, quantizer: &Quantizer, is_exact: bool) {
+        let bound_m = quantizer.range_bound_m() + 1e-5 + 5e-7 * quantizer.max_range_m();
+        self.farthest_m = self.farthest_m.max(if is_exact { bound_m } else { f32::INFINITY });
     }
 
     /// Measures points that are put into `lattice` and quantized by `quantizer`.
@@ -109,6 +117,18 @@ impl GridFit {
             let turns_off = ticks_off as f32 / f32::from(lattice.columns_in_turn());
             self.add_miss(lattice, &miss, turns_off * core::f32::consts::TAU);
         }
+    }
+
+    /// Measures one point that goes some columns on in the sensor's direction, or back where they are negative.
+    pub(crate) fn add_displaced<const LINES: usize, const NODES: usize>(
+        &mut self,
+        lattice: &Lattice<'_, LINES, NODES>,
+        miss: &Miss,
+        columns: i8,
+    ) {
+        let column_rad = core::f32::consts::TAU / f32::from(lattice.columns_in_turn());
+        let more = (miss.columns_off - f32::from(columns)).abs() - miss.columns_off.abs();
+        self.add_miss(lattice, miss, more * column_rad);
     }
 
     fn add_miss<const LINES: usize, const NODES: usize>(

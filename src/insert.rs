@@ -3,7 +3,7 @@
 use crate::geometry::{Pixels, Projection};
 use crate::image::{ImageViewMut, Level};
 use crate::point::{BLOCK_LEN, Block, Points};
-use crate::quantize::Quantizer;
+use crate::quantize::{Companding, Quantizer};
 use crate::tally::Tally;
 
 /// Which point a pixel keeps where several fall into it. Points whose levels are equal are the same to all but
@@ -53,14 +53,60 @@ pub fn insert<L: Level>(
     policy: Policy,
     image: &mut ImageViewMut<'_, L>,
     tally: &mut Tally,
+    mut along: impl Along,
 ) {
     let edge = if policy.out_of_view == OutOfView::Clamp { !Pixels::CLAMPED } else { u32::MAX };
     let mut inserter = Inserter { quantizer, policy, edge, levels: image.levels(), tally };
     let mut pixels = Pixels::new();
     points.for_each_block(|block, len| {
         projection.project(block, quantizer, &mut pixels);
-        inserter.insert_block(block, &pixels, len);
+        // Not within the loop over points, where it would be asked for each.
+        if quantizer.companding() != Companding::None {
+            pixels.level.iter_mut().for_each(|level| *level = quantizer.level_of_steps(*level));
+        }
+        inserter.insert_block(block, &pixels, len, &mut along);
+        along.block(len);
     });
+}
+
+/// What goes along with a point into its pixel.
+pub(crate) trait Along {
+    /// The pixel now keeps lane `lane` of the block. Of points with the same level, it keeps the first.
+    fn keep(&mut self, lane: usize, pixel: usize);
+
+    /// The block of `len` points is done.
+    fn block(&mut self, len: usize);
+}
+
+/// Nothing does.
+impl Along for () {
+    #[inline(always)]
+    fn keep(&mut self, _: usize, _: usize) {}
+
+    #[inline(always)]
+    fn block(&mut self, _: usize) {}
+}
+
+/// A number of each point, by its place among the points.
+#[derive(Debug)]
+pub(crate) struct Numbers<'a, F> {
+    pub(crate) of: F,
+    /// The place of the block's first point.
+    pub(crate) first: usize,
+    /// One for each pixel of the image.
+    pub(crate) plane: &'a mut [u8],
+}
+
+impl<F: FnMut(usize) -> u8> Along for Numbers<'_, F> {
+    fn keep(&mut self, lane: usize, pixel: usize) {
+        if let Some(number) = self.plane.get_mut(pixel) {
+            *number = (self.of)(self.first + lane);
+        }
+    }
+
+    fn block(&mut self, len: usize) {
+        self.first += len;
+    }
 }
 
 struct Inserter<'a, L: Level> {
@@ -73,21 +119,28 @@ struct Inserter<'a, L: Level> {
 }
 
 impl<L: Level> Inserter<'_, L> {
-    fn insert_block(&mut self, block: &Block, pixels: &Pixels, len: usize) {
+    fn insert_block(&mut self, block: &Block, pixels: &Pixels, len: usize, along: &mut impl Along) {
         // One loop a policy, so that none of them asks for the policy at every point.
         match self.policy.collision {
-            Collision::Nearest => self.insert_lanes(block, pixels, len, nearest),
-            Collision::Farthest => self.insert_lanes(block, pixels, len, Ord::max),
+            Collision::Nearest => self.insert_lanes(block, pixels, len, nearest, along),
+            Collision::Farthest => self.insert_lanes(block, pixels, len, Ord::max, along),
             Collision::First => {
-                self.insert_lanes(block, pixels, len, |old, new| if old == L::NONE { new } else { old });
+                self.insert_lanes(block, pixels, len, |old, new| if old == L::NONE { new } else { old }, along);
             }
-            Collision::Last => self.insert_lanes(block, pixels, len, |_, new| new),
+            Collision::Last => self.insert_lanes(block, pixels, len, |_, new| new, along),
         }
     }
 
     // A function of its own: within the caller, its loop would have to share registers with everything around it.
     #[inline(never)]
-    fn insert_lanes(&mut self, block: &Block, pixels: &Pixels, len: usize, settle: impl Fn(L, L) -> L) {
+    fn insert_lanes(
+        &mut self,
+        block: &Block,
+        pixels: &Pixels,
+        len: usize,
+        settle: impl Fn(L, L) -> L,
+        along: &mut impl Along,
+    ) {
         let max_level = u32::from(self.quantizer.max_level());
         let len = len.min(BLOCK_LEN);
         let mut lanes = pixels.pixel[..len].iter().zip(&pixels.level[..len]);
@@ -97,16 +150,21 @@ impl<L: Level> Inserter<'_, L> {
                 self.count_refused(block, len - 1 - lanes.len(), level);
                 continue;
             }
-            let mut put = |pixel: &mut L| {
-                collided += u32::from(*pixel != L::NONE);
-                *pixel = settle(*pixel, L::new(level as u16));
+            let lane = len - 1 - lanes.len();
+            let mut put = |pixel: &mut L, at: u32| {
+                let old = *pixel;
+                collided += u32::from(old != L::NONE);
+                *pixel = settle(old, L::new(level as u16));
+                if *pixel != old {
+                    along.keep(lane, at as usize);
+                }
             };
             // No image has as many pixels as the marks stand for: one comparison finds both.
-            if let Some(pixel) = self.levels.get_mut(pixel as usize) {
-                put(pixel);
-            } else if let Some(pixel) = self.levels.get_mut((pixel & self.edge) as usize) {
+            if let Some(kept) = self.levels.get_mut(pixel as usize) {
+                put(kept, pixel);
+            } else if let Some(kept) = self.levels.get_mut((pixel & self.edge) as usize) {
                 self.tally.clamped += 1;
-                put(pixel);
+                put(kept, pixel & self.edge);
             } else {
                 self.tally.out_of_view += 1;
             }
@@ -120,17 +178,7 @@ impl<L: Level> Inserter<'_, L> {
     fn count_refused(&mut self, block: &Block, i: usize, level: u32) {
         // Never more than it was: without the remainder, a check would bring the panic machinery into firmware.
         let i = i % BLOCK_LEN;
-        let (x, y, z) = (block.x[i], block.y[i], block.z[i]);
-        let counter = if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-            &mut self.tally.not_finite
-        } else if level > 0 {
-            &mut self.tally.beyond_range
-        } else if x * x + y * y + z * z > 0.0 {
-            &mut self.tally.too_near
-        } else {
-            &mut self.tally.no_return
-        };
-        *counter += 1;
+        self.tally.count_refused_point([block.x[i], block.y[i], block.z[i]], level);
     }
 }
 

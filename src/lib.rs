@@ -16,7 +16,8 @@
 //!
 //! `encoder` wires them; `decoder` (feature `std`) walks back; `metrics` compares what went in with
 //! what came out and sees only points. `capi` and the command line sit on top. [`packet`] reads the sensor's own
-//! packets, where range, beam and azimuth stand as integers; `packet_encoder` makes a frame of every turn of them.
+//! packets, where range, beam and azimuth stand as integers; `packet_encoder` makes a frame of every turn of them,
+//! [`stream`] datagrams while the sensor turns.
 //!
 //! # Words
 //!
@@ -33,7 +34,7 @@
 //! # Features
 //!
 //! None by default: the encoder, without `std` and without an allocator. `std`: decoder, metrics, point files,
-//! simulated sensor, calibration. `cli`: the command line. `capi`: the C ABI. `defmt`: `defmt::Format` on errors and
+//! simulated sensor, calibration. `rayon`: the decoder on all cores. `cli`: the command line. `capi`: the C ABI. `defmt`: `defmt::Format` on errors and
 //! statistics. They only add; none changes a byte of a frame.
 #![no_std]
 #![deny(unsafe_code)]
@@ -47,10 +48,14 @@ extern crate std;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
+#[cfg(feature = "std")]
+mod beam_order;
+mod beside;
 #[cfg(feature = "capi")]
 pub mod capi;
 pub mod coder;
 mod config;
+pub mod control;
 mod encoder;
 mod error;
 mod firings_config;
@@ -62,9 +67,12 @@ mod insert;
 mod kernel;
 pub mod packet;
 mod packet_encoder;
+pub mod plane;
 mod point;
+mod previous;
 mod quantize;
 mod returns;
+pub mod stream;
 mod tally;
 
 #[cfg(feature = "std")]
@@ -78,11 +86,17 @@ pub mod files;
 #[cfg(feature = "std")]
 pub mod metrics;
 #[cfg(feature = "std")]
+pub mod original;
+#[cfg(feature = "std")]
+mod parallel;
+#[cfg(feature = "std")]
 mod recognize;
 #[cfg(feature = "std")]
 pub mod sensor;
 #[cfg(feature = "std")]
 pub mod simulate;
+#[cfg(feature = "std")]
+mod smooth;
 
 pub use coder::{
     Coder, CoderId, Deflate, DeflateDefault, DeflateDense, DeflateSmall, Dense, OutputFull, Rle, Small, Store,
@@ -102,7 +116,8 @@ pub use image::{ImageView, ImageViewMut, Level, RangeImage};
 pub use insert::{Collision, OutOfView, Policy};
 pub use packet_encoder::{EncodedTurn, PacketEncoder, PushError};
 pub use point::{BLOCK_LEN, Block, Points, StridedPoints};
-pub use quantize::{OutOfScale, Quantizer};
+pub use previous::{Link, Previous};
+pub use quantize::{Companding, OutOfScale, Quantizer};
 pub use returns::GridReturn;
 pub use tally::Tally;
 

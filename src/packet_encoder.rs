@@ -175,6 +175,9 @@ pub(crate) struct TurnFrames<S: GridSettings, const LAYERS: usize> {
     assembler: TurnAssembler,
     frames: [OpenFrame<S>; LAYERS],
     scale: ReturnScale,
+    /// The layer of the first frame; those before it are left out.
+    #[cfg(feature = "capi")]
+    first_layer: u8,
 }
 
 impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
@@ -188,7 +191,19 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         for image in images.iter_mut().skip(1) {
             frame = OpenFrame::start(config, Stamp::default(), image)?;
         }
-        Ok(Self { assembler, scale: frame.return_scale(), frames: [frame; LAYERS] })
+        Ok(Self {
+            assembler,
+            scale: frame.return_scale(),
+            frames: [frame; LAYERS],
+            #[cfg(feature = "capi")]
+            first_layer: 0,
+        })
+    }
+
+    /// The same with the first frame for another layer than the first.
+    #[cfg(feature = "capi")]
+    pub(crate) const fn with_first_layer(self, first_layer: u8) -> Self {
+        Self { first_layer, ..self }
     }
 
     pub(crate) const fn stats(&self) -> PacketStats {
@@ -208,10 +223,14 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
         images: &mut [ImageViewMut<'i, L>; LAYERS],
         end: &mut impl FnMut(Turn, &[OpenFrame<S>; LAYERS], &[ImageViewMut<'i, L>; LAYERS]),
     ) -> Result<(), PacketError> {
-        let Self { assembler, frames, scale } = self;
+        #[cfg(feature = "capi")]
+        let first_layer = self.first_layer;
+        #[cfg(not(feature = "capi"))]
+        let first_layer = 0;
+        let Self { assembler, frames, scale, .. } = self;
         let mut ended = false;
         assembler.push(packet, |event| match &event {
-            Event::Column(column) => insert(column, scale, frames, images),
+            Event::Column(column) => insert(column, column.layer.wrapping_sub(first_layer), scale, frames, images),
             Event::TurnEnd(turn) if !ended => {
                 ended = true;
                 end_turn(*turn, frames, images, end);
@@ -238,11 +257,12 @@ impl<S: GridSettings, const LAYERS: usize> TurnFrames<S, LAYERS> {
 #[inline]
 fn insert<S: GridSettings, L: Level, const LAYERS: usize>(
     column: &Column<'_>,
+    layer: u8,
     scale: &ReturnScale,
     frames: &mut [OpenFrame<S>; LAYERS],
     images: &mut [ImageViewMut<'_, L>; LAYERS],
 ) {
-    let layer = usize::from(column.layer);
+    let layer = usize::from(layer);
     if let (Some(frame), Some(image)) = (frames.get_mut(layer), images.get_mut(layer)) {
         if layer == 0 && frame.tally().points == 0 {
             frame.stamp_mut().timestamp_ns = column.time_ns;

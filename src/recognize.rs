@@ -10,6 +10,8 @@ use crate::geometry::SensorGrid;
 const SAMPLE: usize = 20_000;
 /// Of the way from a beam to midway to the next, on average; points that lie anywhere are at 0.5.
 const OFF_BEAMS: f64 = 0.3;
+/// Farther off, but not yet by chance: the order of the points may tell more.
+const MAYBE_OFF_BEAMS: f64 = 0.45;
 /// Nearer points do not tell: there the beams are close to each other.
 const NEAR_M: f64 = 2.0;
 /// Points beyond tell best, and all by themselves where there are enough: moving them changes little.
@@ -21,6 +23,10 @@ const FAR_ENOUGH: usize = 1000;
 pub struct Recognition {
     /// Number of the sensor that fits best, where one fits.
     pub sensor: Option<usize>,
+    /// Number of the one that comes nearest, where none fits but points are nearer to its beams than by chance: a scan
+    /// that was moved after it was measured may be its, which [`choose_geometry`](crate::choose_geometry) can tell by
+    /// the points' order.
+    pub maybe: Option<usize>,
     /// For each sensor: how far points are from their beams, of the way to midway to the next beam, on average; those
     /// outside all beams count as 1. Points that lie anywhere are at 0.5.
     pub off: Vec<f64>,
@@ -55,7 +61,9 @@ pub fn recognize_sensor(points: &[[f32; 3]], sensors: &[SensorGrid<'_>]) -> Reco
             format!("{name} {fits}: points are {percent:.1} % of the way between beams off (50 % by chance)")
         }
     };
-    Recognition { sensor: sensor.filter(|_| !sample.is_empty()), off, why }
+    let sensor = sensor.filter(|_| !sample.is_empty());
+    let maybe = best.filter(|&best| sensor.is_none() && !sample.is_empty() && off[best] <= MAYBE_OFF_BEAMS);
+    Recognition { sensor, maybe, off, why }
 }
 
 fn sample(points: &[[f32; 3]]) -> Vec<[f32; 3]> {

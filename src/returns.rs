@@ -9,10 +9,11 @@ use crate::geometry::SensorGrid;
 use crate::image::{ImageViewMut, Level};
 use crate::insert::{Collision, settle};
 use crate::packet::{Column, Return, TakeRun};
-use crate::quantize::Quantizer;
+use crate::quantize::{Companding, Quantizer};
 use crate::tally::Tally;
 
-/// One return in its sensor's own integers: what a frame keeps of it. Intensity and time are not in a frame.
+/// One return in its sensor's own integers: what a frame's image keeps of it. Intensities go along where a frame has a
+/// [plane](crate::plane) of them.
 ///
 /// ```
 /// use flicr::geometry::sensors::hdl64e;
@@ -152,6 +153,8 @@ pub(crate) struct ReturnScale {
     /// Twice the largest level; 0 where the scale is not for the counts of packets.
     half_levels: u32,
     collision: Collision,
+    /// Where levels are not even.
+    companded: Option<Quantizer>,
 }
 
 impl ReturnScale {
@@ -160,7 +163,8 @@ impl ReturnScale {
         let columns = TickColumns::new(grid.ticks, columns);
         let max_level = quantizer.max_level();
         let half_levels = if levels.is_for_cells() { 2 * u32::from(max_level) } else { 0 };
-        Self { levels, columns, max_level, half_levels, collision }
+        let companded = Some(*quantizer).filter(|quantizer| quantizer.companding() != Companding::None);
+        Self { levels, columns, max_level, half_levels, collision, companded }
     }
 
     /// Puts the returns of one firing into `image`, and counts in `tally` what became of each cell; a firing whose tick
@@ -174,6 +178,9 @@ impl ReturnScale {
         image: &mut ImageViewMut<'_, L>,
         tally: &mut Tally,
     ) {
+        if self.companded.is_some() {
+            return self.insert_companded(cells, image, tally);
+        }
         let columns = image.columns();
         // From the column on, so that a row's pixel is a product away.
         let column = self.columns.divide(cells.tick.into());
@@ -182,7 +189,21 @@ impl ReturnScale {
         cells.give_counts(&mut ImageColumn { scale: self, levels, columns, tally });
     }
 
-    /// Puts one return into `image`'s column; `None` counts it as out of view.
+    /// The same where levels are not even, one return after the other.
+    #[cold]
+    fn insert_companded<L: Level>(&self, cells: &Column<'_>, image: &mut ImageViewMut<'_, L>, tally: &mut Tally) {
+        let (tick, mut returns) = (u32::from(cells.tick), 0);
+        let column = self.columns.divide(tick);
+        cells.for_each_return(|found| {
+            returns += 1;
+            self.insert_one(found.into(), column, image, tally);
+        });
+        let empty = (cells.rows() as u32).saturating_sub(returns);
+        tally.points += empty;
+        tally.no_return += empty;
+    }
+
+    /// Puts one return into `image`'s column; `None` counts it as out of view. Gives the pixel, if that keeps it.
     #[inline(always)]
     pub(crate) fn insert_one<L: Level>(
         &self,
@@ -190,20 +211,22 @@ impl ReturnScale {
         column: Option<u32>,
         image: &mut ImageViewMut<'_, L>,
         tally: &mut Tally,
-    ) {
+    ) -> Option<usize> {
         tally.points += 1;
         if found.count == 0 {
             tally.no_return += 1;
-            return;
+            return None;
         }
-        let level = self.levels.level(found.count);
+        let steps = self.levels.level(found.count);
+        let level = self.companded.map_or(steps, |quantizer| quantizer.level_of_steps(steps));
         if level.wrapping_sub(1) >= u32::from(self.max_level) {
             tally.count_refused(level);
-            return;
+            return None;
         }
         let pixel = column.map(|column| usize::from(found.row) * image.columns() + column as usize);
         let level = L::new(level as u16);
-        put(pixel.and_then(|pixel| image.levels().get_mut(pixel)), level, self.collision, tally);
+        let is_kept = put(pixel.and_then(|pixel| image.levels().get_mut(pixel)), level, self.collision, tally);
+        pixel.filter(|_| is_kept)
     }
 }
 
@@ -218,23 +241,55 @@ struct ImageColumn<'a, L> {
 impl<L: Level> TakeRun<u32> for ImageColumn<'_, L> {
     // A function of its own: within the caller, its loops would have to share registers with each other.
     #[inline(never)]
-    fn take_run(&mut self, beams: &'static [u8], counts: impl Iterator<Item = u32>) {
+    fn take_run<const N: usize>(&mut self, beams: &'static [u8], cells: &[[u8; N]], read: impl Fn(&[u8; N]) -> u32) {
         let Self { scale, levels, columns, tally } = self;
-        let ReturnScale { levels: scale, half_levels, collision, .. } = **scale;
-        let columns = *columns;
-        for (&row, count) in beams.iter().zip(counts) {
-            // As `level_of_cell`, but that one comparison finds levels of 0 and beyond the last before they are rounded.
-            if count != 0 {
-                let twice = scale.twice(count);
-                if twice.wrapping_sub(1) < half_levels {
-                    let pixel = levels.get_mut(usize::from(row).wrapping_mul(columns));
-                    put(pixel, L::new(((twice + 1) >> 1) as u16), collision, tally);
-                } else {
-                    tally.count_refused(twice);
-                }
-            } else {
-                tally.no_return += 1;
+        let (scale, columns) = (**scale, *columns);
+        for (&row, cell) in beams.iter().zip(cells) {
+            scale.take(row, read(cell), levels, columns, tally);
+        }
+    }
+
+    #[inline(never)]
+    fn take_pairs<const N: usize>(
+        &mut self,
+        beams: &'static [u8],
+        firsts: &[[u8; N]],
+        seconds: &[[u8; N]],
+        read: impl Fn(&[u8; N], &[u8; N]) -> u32,
+    ) {
+        // Two at a time: there are three slices to go on in.
+        const AT_A_TIME: usize = 2;
+        let Self { scale, levels, columns, tally } = self;
+        let (scale, columns) = (**scale, *columns);
+        let (beams, last_beam) = beams.as_chunks::<AT_A_TIME>();
+        let (firsts, last_first) = firsts.as_chunks::<AT_A_TIME>();
+        let (seconds, last_second) = seconds.as_chunks::<AT_A_TIME>();
+        for ((beams, firsts), seconds) in beams.iter().zip(firsts).zip(seconds) {
+            for ((&row, first), second) in beams.iter().zip(firsts).zip(seconds) {
+                scale.take(row, read(first, second), levels, columns, tally);
             }
+        }
+        for ((&row, first), second) in last_beam.iter().zip(last_first).zip(last_second) {
+            scale.take(row, read(first, second), levels, columns, tally);
+        }
+    }
+}
+
+impl ReturnScale {
+    /// One cell of a firing, into the image from its column on.
+    #[inline(always)]
+    fn take<L: Level>(&self, row: u8, count: u32, levels: &mut [L], columns: usize, tally: &mut Tally) {
+        // As `level_of_cell`, but that one comparison finds levels of 0 and beyond the last before they are rounded.
+        if count == 0 {
+            tally.no_return += 1;
+            return;
+        }
+        let twice = self.levels.twice(count);
+        if twice.wrapping_sub(1) < self.half_levels {
+            let pixel = levels.get_mut(usize::from(row).wrapping_mul(columns));
+            put(pixel, L::new(((twice + 1) >> 1) as u16), self.collision, tally);
+        } else {
+            tally.count_refused(twice);
         }
     }
 }
@@ -251,15 +306,23 @@ impl Tally {
     }
 }
 
-/// A return into its pixel, if there is one. Not a call: a loop with one has half of the registers.
+/// A return into its pixel, if there is one; whether that keeps it. Not a call: a loop with one has half of the registers.
 #[inline(always)]
-fn put<L: Level>(pixel: Option<&mut L>, level: L, collision: Collision, tally: &mut Tally) {
+fn put<L: Level>(pixel: Option<&mut L>, level: L, collision: Collision, tally: &mut Tally) -> bool {
     match pixel {
-        Some(pixel) if *pixel == L::NONE => *pixel = level,
+        Some(pixel) if *pixel == L::NONE => {
+            *pixel = level;
+            true
+        }
         Some(pixel) => {
             tally.collided += 1;
-            *pixel = settle(collision, *pixel, level);
+            let old = *pixel;
+            *pixel = settle(collision, old, level);
+            *pixel != old
         }
-        None => tally.out_of_view += 1,
+        None => {
+            tally.out_of_view += 1;
+            false
+        }
     }
 }

@@ -21,6 +21,9 @@ pub struct Tally {
     pub collided: u32,
     /// Of the kept and collided: moved into the first or last row, from outside the elevations.
     pub clamped: u32,
+    /// Of the kept and collided: moved into a free column at most six from their own, which another point had
+    /// ([`FrameEncoder::insert_on_rows`](crate::FrameEncoder::insert_on_rows) alone does that).
+    pub displaced: u32,
 }
 
 impl Tally {
@@ -36,7 +39,22 @@ impl Tally {
             out_of_view: 0,
             collided: 0,
             clamped: 0,
+            displaced: 0,
         }
+    }
+
+    /// Counts a point without a level: `level` is 0, or more than the largest.
+    pub(crate) fn count_refused_point(&mut self, [x, y, z]: [f32; 3], level: u32) {
+        let counter = if !(x.is_finite() && y.is_finite() && z.is_finite()) {
+            &mut self.not_finite
+        } else if level > 0 {
+            &mut self.beyond_range
+        } else if x * x + y * y + z * z > 0.0 {
+            &mut self.too_near
+        } else {
+            &mut self.no_return
+        };
+        *counter += 1;
     }
 
     /// Points that are real returns: all but `no_return` and `not_finite`.

@@ -11,6 +11,8 @@ mod data;
 mod firmware;
 #[path = "c/grid.rs"]
 mod grid;
+#[path = "c/stream.rs"]
+mod stream;
 #[path = "common/packet_writer.rs"]
 mod writer;
 
@@ -18,10 +20,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use flicr::capi::{
-    FLICR_ENCODER_ALIGN, flicr_encoder_size, flicr_grid_encoder_size, flicr_grid_worst_case_len, flicr_version,
-    flicr_worst_case_len,
+    FLICR_ENCODER_ALIGN, flicr_encoder_size, flicr_grid_encoder_size, flicr_grid_worst_case_len,
+    flicr_grid_worst_case_len_in_strips, flicr_stream_size, flicr_version, flicr_worst_case_len,
+    flicr_worst_case_len_in_strips,
 };
-use flicr::{Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, ImageViewMut, Rle, Scale, Stamp};
+use flicr::coder::ContextSettings;
+use flicr::{Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, Dense, ImageViewMut, Rle, Scale, Small, Stamp};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use firmware::{is_skipped, root, run, tool};
@@ -70,9 +74,14 @@ fn main() -> ExitCode {
         let name = |what: &str| format!("{}::{what}", client.name);
         trials.push(Trial::test(name("made_up_scan"), move || bytes_are_rusts(client, None)).with_ignored_flag(skip));
         trials.push(Trial::test(name("packets"), move || grid::bytes_are_rusts(client)).with_ignored_flag(skip));
+        trials.push(Trial::test(name("stream"), move || stream::datagrams_are_rusts(client)).with_ignored_flag(skip));
         let scan = data::FOLDER.as_ref().map(|folder| folder.join("kitti/drive/000000.bin"));
         let skip = skip || scan.is_none();
         trials.push(Trial::test(name("real_scan"), move || bytes_are_rusts(client, scan)).with_ignored_flag(skip));
+    }
+    for by in ["cmake", "pkg-config"] {
+        let skip = is_skipped(missing(HOST, &["cc", by]));
+        trials.push(Trial::test(format!("found_by_{by}"), move || stream::is_found(by)).with_ignored_flag(skip));
     }
     for (compiler, standard) in [("cc", "-std=c99"), ("c++", "-std=c++11")] {
         let skip = is_skipped(missing(HOST, &[compiler]));
@@ -156,12 +165,14 @@ fn bytes_are_rusts(client: Client, scan: Option<PathBuf>) -> Result<(), Failed> 
 }
 
 /// The frames that the example makes.
-fn frames(columns: usize, points: &[[f32; 4]]) -> [(&'static str, Vec<u8>); 4] {
+fn frames(columns: usize, points: &[[f32; 4]]) -> [(&'static str, Vec<u8>); 6] {
     [
         ("rle", encode(columns, points, Rle::new())),
         ("deflate", encode(columns, points, DeflateDefault::new())),
         ("deflate-small", encode(columns, points, DeflateSmall::new())),
         ("deflate-dense", encode(columns, points, DeflateDense::new())),
+        ("small", encode(columns, points, Small::<8>::new(ContextSettings::COARSE))),
+        ("dense", encode(columns, points, Dense::<8>::new(ContextSettings::COARSE))),
     ]
 }
 
@@ -185,14 +196,25 @@ fn macros_are_right(compiler: &str, standard: &str) -> Result<(), Failed> {
         let numbers: Vec<usize> = line.split(' ').map(str::parse).collect::<Result<_, _>>()?;
         let (of, found) = numbers.split_at(numbers.len() - 3);
         let of: Vec<u32> = of.iter().map(|&number| number as u32).collect();
-        let (size, worst_case_len) = match of[..] {
-            [level_bits, columns, beams, coder] => (
-                flicr_grid_encoder_size(columns, beams, level_bits, coder),
-                flicr_grid_worst_case_len(columns, beams, level_bits, coder),
-            ),
-            _ => (flicr_encoder_size(of[0], of[1], of[2]), flicr_worst_case_len(of[0], of[1], of[2])),
+        let expected = match of[..] {
+            [beams, coder, aligned, _, _, _] => {
+                let size = flicr_stream_size(beams, coder, aligned);
+                [size, 0, size.div_ceil(8)]
+            }
+            [level_bits, columns, beams, coder, strips] => [
+                flicr_worst_case_len_in_strips(columns, beams, coder, strips),
+                flicr_grid_worst_case_len_in_strips(columns, beams, level_bits, coder, strips),
+                strips as usize,
+            ],
+            [level_bits, columns, beams, coder] => {
+                let size = flicr_grid_encoder_size(columns, beams, level_bits, coder);
+                [size, flicr_grid_worst_case_len(columns, beams, level_bits, coder), size.div_ceil(8)]
+            }
+            _ => {
+                let size = flicr_encoder_size(of[0], of[1], of[2]);
+                [size, flicr_worst_case_len(of[0], of[1], of[2]), size.div_ceil(8)]
+            }
         };
-        let expected = [size, worst_case_len, size.div_ceil(8)];
         if found != expected {
             return Err(format!("{line}: expected {expected:?}").into());
         }
@@ -211,8 +233,8 @@ fn language(standard: &str) -> &'static str {
 fn nothing_panics(target: &str, tools: &str) -> Result<(), Failed> {
     let listing = run(Command::new(format!("{tools}nm")).arg("-A").arg(library(target)?))?;
     let ours: Vec<&str> = listing.lines().filter(|line| line.contains("flicr-")).collect();
-    if !ours.iter().any(|line| line.ends_with(" T flicr_push_packet")) {
-        return Err("no flicr_push_packet in the library".into());
+    if !ours.iter().any(|line| line.ends_with(" T flicr_stream_push_packet")) {
+        return Err("no flicr_stream_push_packet in the library".into());
     }
     let panics: Vec<&str> = ours.into_iter().filter(|line| line.contains("panic")).collect();
     if panics.is_empty() { Ok(()) } else { Err(panics.join("\n").into()) }

@@ -5,6 +5,10 @@
 mod common;
 #[path = "capi/grid.rs"]
 mod grid;
+#[path = "capi/planes.rs"]
+mod planes;
+#[path = "capi/stream.rs"]
+mod stream;
 #[path = "common/packet_writer.rs"]
 mod writer;
 
@@ -14,21 +18,32 @@ use std::path::Path;
 use std::ptr::{null, null_mut};
 
 use flicr::capi::{flicr_status as Status, *};
+use flicr::coder::{ContextSettings, Predictor, Step};
 use flicr::{
-    Coder, Collision, Config, DeflateDefault, DeflateDense, DeflateSmall, ImageViewMut, OutOfView, Placement, Policy,
-    Rle, Scale, Stamp, Store, UniformView,
+    Coder, Collision, Config, DeflateDefault, DeflateDense, DeflateSmall, Dense, ImageViewMut, OutOfView, Placement,
+    Policy, Rle, Scale, Small, Stamp, Store, UniformView,
 };
 
 const COLUMNS: u32 = 256;
 const ROWS: u32 = 64;
 const RLE: u32 = flicr_coder::Rle as u32;
 const STAMP: flicr_stamp = flicr_stamp { timestamp_ns: 77, sequence: 9 };
-const CODERS: [flicr_coder; 5] =
-    [flicr_coder::Store, flicr_coder::Rle, flicr_coder::Deflate, flicr_coder::DeflateSmall, flicr_coder::DeflateDense];
+const CODERS: [flicr_coder; 7] = [
+    flicr_coder::Store,
+    flicr_coder::Rle,
+    flicr_coder::Deflate,
+    flicr_coder::DeflateSmall,
+    flicr_coder::DeflateDense,
+    flicr_coder::Small,
+    flicr_coder::Dense,
+];
+/// Settings of the context coders, in C and in Rust.
+static CONTEXT: flicr_context = flicr_context { step_levels: 1, dead_zone: 1, noise_levels: 3, predictor: 0 };
+const SETTINGS: ContextSettings = ContextSettings { noise: 3, ..ContextSettings::COARSE };
 const WIDTHS: [u32; 6] = [4500, 4096, 2048, 1024, 512, 256];
 
 /// The status of the largest number.
-const LAST: Status = Status::PacketRefused;
+const LAST: Status = Status::Plane;
 
 /// What stays in an out-parameter that is not written.
 const UNTOUCHED: flicr_encoded = flicr_encoded {
@@ -84,17 +99,34 @@ impl Memory {
     }
 
     fn init(&mut self, config: &flicr_config, coder: flicr_coder) -> Result<*mut flicr_encoder, Status> {
+        self.init_with(config, coder, &CONTEXT)
+    }
+
+    fn init_with(
+        &mut self,
+        config: &flicr_config,
+        coder: flicr_coder,
+        context: &flicr_context,
+    ) -> Result<*mut flicr_encoder, Status> {
+        let (start, len) = (self.start(), size_of_val(self.0.as_slice()));
+        let mut encoder = null_mut();
         let init = match coder {
             flicr_coder::Store => flicr_encoder_init_store,
             flicr_coder::Rle => flicr_encoder_init_rle,
             flicr_coder::Deflate => flicr_encoder_init_deflate,
             flicr_coder::DeflateSmall => flicr_encoder_init_deflate_small,
             flicr_coder::DeflateDense => flicr_encoder_init_deflate_dense,
+            flicr_coder::Small | flicr_coder::Dense => {
+                let is_small = coder == flicr_coder::Small;
+                let init = if is_small { flicr_encoder_init_small } else { flicr_encoder_init_dense };
+                // SAFETY: the vector's own pointer and length.
+                let status = unsafe { init(start, len, config, context, &raw mut encoder) };
+                assert_eq!(encoder.is_null(), status != Status::Ok, "written only on success");
+                return ok(status).map(|()| encoder);
+            }
         };
-        let len = size_of_val(self.0.as_slice());
-        let mut encoder = null_mut();
         // SAFETY: the vector's own pointer and length.
-        let status = unsafe { init(self.start(), len, config, &raw mut encoder) };
+        let status = unsafe { init(start, len, config, &raw mut encoder) };
         assert_eq!(encoder.is_null(), status != Status::Ok, "written only on success");
         ok(status).map(|()| encoder)
     }
@@ -139,7 +171,7 @@ fn encode(
 fn encode_xyz(config: &flicr_config, coder: flicr_coder, points: &[[f32; 3]]) -> (flicr_encoded, Vec<u8>) {
     let mut memory = Memory::of(config, coder);
     let encoder = memory.init(config, coder).unwrap();
-    let mut out = vec![0; flicr_worst_case_len(config.columns, config.rows, coder as u32)];
+    let mut out = vec![0; flicr_worst_case_len_in_strips(config.columns, config.rows, coder as u32, config.strips)];
     let encoded = encode(encoder, bytemuck::cast_slice(points), points.len(), 12, &mut out).unwrap();
     out.truncate(encoded.len);
     (encoded, out)
@@ -154,7 +186,7 @@ fn encode_in_rust<C: Coder<u8>>(
     let (columns, rows) = (columns as usize, ROWS as usize);
     let mut levels = vec![0_u8; columns * rows];
     let image = ImageViewMut::new(&mut levels, columns).unwrap();
-    let mut out = vec![0; flicr::frame::worst_case_len::<u8, C>(columns * rows)];
+    let mut out = vec![0; flicr::frame::worst_case_len_in_strips::<u8, C>(rows, columns, config.strips)];
     let stamp = Stamp { sequence: STAMP.sequence, timestamp_ns: STAMP.timestamp_ns };
     let encoded = flicr::encode(config, points, stamp, image, &mut coder, &mut out).unwrap();
     out.truncate(encoded.len);
@@ -168,6 +200,8 @@ fn encode_with(coder: flicr_coder, config: &Config, columns: u32, points: &[[f32
         flicr_coder::Deflate => encode_in_rust(config, columns, points, DeflateDefault::new()),
         flicr_coder::DeflateSmall => encode_in_rust(config, columns, points, DeflateSmall::new()),
         flicr_coder::DeflateDense => encode_in_rust(config, columns, points, DeflateDense::new()),
+        flicr_coder::Small => encode_in_rust(config, columns, points, Small::<8>::new(SETTINGS)),
+        flicr_coder::Dense => encode_in_rust(config, columns, points, Dense::<8>::new(SETTINGS)),
     }
 }
 
@@ -231,6 +265,84 @@ fn every_choice_is_rusts() {
         let scale = Scale::Fixed { max_range_m: 60.0 };
         let rust = Config { view, placement, level_bits: 7, scale, policy, ..Config::PAPER };
         check_same_frame(&c, &rust, coder, &points);
+    }
+}
+
+#[test]
+fn companding_is_rusts() {
+    let c = flicr_config { companding: flicr_companding::SquareRoot as u32, ..preset(flicr_preset::Uniform, COLUMNS) };
+    let rust = Config { companding: flicr::Companding::SquareRoot, ..Config::UNIFORM };
+    check_same_frame(&c, &rust, flicr_coder::Rle, &points());
+}
+
+#[test]
+fn strips_are_rusts() {
+    for coder in CODERS {
+        let c = flicr_config { strips: 16, ..preset(flicr_preset::Uniform, COLUMNS) };
+        check_same_frame(&c, &Config { strips: 16, ..Config::UNIFORM }, coder, &points());
+    }
+    for strips in [0, COLUMNS + 1, 65_536 + 1] {
+        assert_eq!(flicr_worst_case_len_in_strips(COLUMNS, ROWS, RLE, strips), 0);
+    }
+}
+
+#[test]
+fn every_setting_of_the_context_coders_is_rusts() {
+    let (points, config) = (points(), fixed());
+    let rust = Config { scale: Scale::Fixed { max_range_m: 80.0 }, ..Config::UNIFORM };
+    let settings = |step: Option<Step>, predictor| ContextSettings { step: step.unwrap(), noise: 9, predictor };
+    for (dead_zone, step) in [(1, Step::new(6)), (0, Step::exact(6))] {
+        for (predictor, in_rust) in [(0, Predictor::West), (1, Predictor::MedianEdge)] {
+            let context = flicr_context { step_levels: 6, dead_zone, noise_levels: 9, predictor };
+            let settings = settings(step, in_rust);
+            let expected = [
+                (flicr_coder::Small, encode_in_rust(&rust, COLUMNS, &points, Small::<8>::new(settings))),
+                (flicr_coder::Dense, encode_in_rust(&rust, COLUMNS, &points, Dense::<8>::new(settings))),
+            ];
+            for (coder, (of_rust, expected)) in expected {
+                let mut memory = Memory::of(&config, coder);
+                let encoder = memory.init_with(&config, coder, &context).unwrap();
+                let mut out = vec![0; flicr_worst_case_len(COLUMNS, ROWS, coder as u32)];
+                // Twice: nothing is left of the frame before.
+                for _ in 0..2 {
+                    let found = encode(encoder, bytemuck::cast_slice(&points), points.len(), 12, &mut out).unwrap();
+                    assert!(out[..found.len] == expected, "{coder:?}, {context:?}");
+                    assert_eq!(found.range_bound_m, of_rust.range_bound_m);
+                }
+            }
+        }
+    }
+}
+
+/// The context coders' settings for levels and steps of so many meters.
+fn context(level_m: f32, step_m: f32) -> Result<flicr_context, Status> {
+    let mut context = flicr_context { step_levels: 77, ..CONTEXT };
+    // SAFETY: a place for settings.
+    let status = unsafe { flicr_context_init(level_m, step_m, &raw mut context) };
+    assert_eq!(context.step_levels == 77, status != Status::Ok, "written only on success");
+    ok(status).map(|()| context)
+}
+
+#[test]
+fn settings_of_the_context_coders_come_from_meters() {
+    let of = |step_levels, noise_levels| Ok(flicr_context { step_levels, dead_zone: 1, noise_levels, predictor: 0 });
+    assert_eq!(context(0.002, 0.0), of(1, 20));
+    assert_eq!(context(0.002, 0.02), of(10, 20));
+    assert_eq!(context(0.004, 0.05), of(13, 10));
+    assert_eq!(context(0.002, 131.07), of(65_535, 20));
+    assert_eq!(context(0.31, 0.0), of(1, 0));
+    assert_eq!(context(0.31, 0.1), of(1, 0));
+    for (level_m, step_m) in [
+        (0.0, 0.1),
+        (-1.0, 0.1),
+        (f32::NAN, 0.1),
+        (f32::INFINITY, 0.1),
+        (0.002, -0.1),
+        (0.002, f32::NAN),
+        (0.002, 131.09),
+        (0.002, f32::INFINITY),
+    ] {
+        assert_eq!(context(level_m, step_m), Err(Status::Context), "{level_m} {step_m}");
     }
 }
 
@@ -368,6 +480,8 @@ fn every_status_is_returned() {
     refused_memory(&mut expect);
     refused_calls(&mut expect);
     grid::refused(&mut expect);
+    stream::refused(&mut expect);
+    planes::refused(&mut expect);
     assert!(seen.into_iter().eq(0..=LAST as i32));
 }
 
@@ -399,9 +513,26 @@ fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
         (flicr_config { collision: 4, ..good }, Status::Collision),
         (flicr_config { out_of_view: 2, ..good }, Status::OutOfView),
         (flicr_config { placement: 2, ..good }, Status::Placement),
+        (flicr_config { companding: 2, ..good }, Status::Companding),
+        (flicr_config { strips: 0, ..good }, Status::Strips),
+        (flicr_config { strips: COLUMNS + 1, ..good }, Status::Strips),
+        (flicr_config { strips: 65_537, ..good }, Status::Strips),
     ];
     for (config, status) in refused {
         expect(Memory::of(&good, flicr_coder::Rle).init(&config, flicr_coder::Rle).unwrap_err(), status);
+    }
+    let refused = [
+        flicr_context { step_levels: 0, ..CONTEXT },
+        flicr_context { step_levels: 65_536, ..CONTEXT },
+        flicr_context { noise_levels: 256, ..CONTEXT },
+        flicr_context { predictor: 2, ..CONTEXT },
+    ];
+    for (context, coder) in refused.iter().flat_map(|context| CODERS[5..].iter().map(move |&coder| (context, coder))) {
+        let mut memory = Memory::of(&good, coder);
+        expect(memory.init_with(&good, coder, context).unwrap_err(), Status::Context);
+        let tall = flicr_config { rows: 129, columns: 1, ..good };
+        expect(memory.init(&tall, coder).unwrap_err(), Status::Size);
+        assert!(memory.0.iter().all(|&word| word == 0xA5A5_A5A5_A5A5_A5A5), "nothing is written before all is checked");
     }
 }
 

@@ -8,12 +8,22 @@ mod calibrate;
 mod capture_writer;
 #[path = "cli/captures.rs"]
 mod captures;
+#[path = "cli/choices.rs"]
+mod choices;
+#[path = "cli/compare.rs"]
+mod compare;
 #[path = "cli/eval.rs"]
 mod eval;
+#[path = "cli/exact.rs"]
+mod exact;
 #[path = "common/packet_writer.rs"]
 mod packet_writer;
 #[path = "cli/picture.rs"]
 mod picture;
+#[path = "cli/previous.rs"]
+mod previous;
+#[path = "cli/receive.rs"]
+mod receive;
 #[path = "cli/round_trip.rs"]
 mod round_trip;
 #[path = "cli/run.rs"]

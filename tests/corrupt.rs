@@ -114,7 +114,7 @@ fn wrong_header_fields_are_named() {
     let [bytes, ..] = frames();
     let nan = f32::NAN.to_le_bytes();
     let cases: [(usize, &[u8], HeaderField); 17] = [
-        (5, &[2], HeaderField::Flags),
+        (5, &[8], HeaderField::Flags),
         (6, &[63, 0], HeaderField::HeaderLen),
         (8, &[75, 0, 0, 0], HeaderField::FrameLen),
         (24, &[0, 0], HeaderField::Rows),
@@ -149,7 +149,7 @@ fn wrong_fields_of_a_grid_are_named() {
         (24, &[63, 0], HeaderField::HeaderLen),
         (24, &[1, 4], HeaderField::Rows),
         (44, &[0], HeaderField::Reserved),
-        (45, &[4], HeaderField::GeometryFlags),
+        (45, &[8], HeaderField::GeometryFlags),
         (45, &[0], HeaderField::HeaderLen),
         (46, &[3], HeaderField::ColumnMode),
         (47, &[1], HeaderField::Reserved),

@@ -3,18 +3,16 @@
 #![allow(missing_docs)]
 
 use flicr::geometry::{FiringLattice, Firings, Lattice, Projection, SensorGrid, find_firings, sensors::hdl64e};
-use flicr::simulate::{Sensor, Simulator};
+use flicr::simulate::Simulator;
 use flicr::{
-    ConfigError, DecodeError, Decoder, Encoded, FiringsConfig, HeaderField, ImageViewMut, LatticeConfig, Rle, Stamp,
-    encode, frame,
+    ConfigError, DecodeError, Decoder, EncodeError, Encoded, FiringsConfig, FrameEncoder, HeaderField, ImageViewMut,
+    LatticeConfig, Rle, Stamp, encode, frame,
 };
 use proptest::prelude::*;
 
 /// A street, seen by a sensor whose lasers look beside each other as those of KITTI's unit do.
 fn street(seed: u64) -> Vec<[f32; 3]> {
-    let tick_shifts = hdl64e::TICKS_BEHIND.iter().map(|&behind| -i32::from(behind)).collect();
-    let sensor = Sensor { tick_shifts, ..Sensor::hdl64e() };
-    Simulator::with_sensor(sensor, seed).turn(0).points.iter().map(|&[x, y, z, _]| [x, y, z]).collect()
+    Simulator::hdl64e(seed).turn(0).points.iter().map(|&[x, y, z, _]| [x, y, z]).collect()
 }
 
 fn encoded<const LINES: usize, const WORDS: usize>(
@@ -84,6 +82,56 @@ mod kd {
             near.map(off).fold(f64::INFINITY, f64::min)
         }
     }
+}
+
+/// From an image of every tick, by which firings need not be known before.
+fn cut_down(config: &LatticeConfig<'_, 66>, points: &[[f32; 3]]) -> Result<(Encoded, Vec<u8>), EncodeError> {
+    let mut levels = vec![0_u16; 64 * 4000];
+    let image = ImageViewMut::new(&mut levels, 4000).unwrap();
+    let (mut coder, mut out) = (Rle::new(), vec![0; config.worst_case_len::<u16, Rle>()]);
+    let mut frame = FrameEncoder::start(config, Stamp::default(), image, &mut coder).unwrap();
+    frame.insert(points);
+    let encoded = frame.finish_by_firings::<125>(&mut out)?;
+    out.truncate(encoded.len);
+    Ok((encoded, out))
+}
+
+#[test]
+fn an_image_of_every_tick_gives_the_frame_of_its_firings() {
+    let lattice = hdl64e();
+    for (seed, measure, strips) in [(1, false, 1), (2, true, 1), (3, true, 16)] {
+        let points = street(seed);
+        let every_tick = LatticeConfig { measure, strips, ..LatticeConfig::new(&lattice) };
+        let found = find_firings(points.as_slice(), &hdl64e::FIRING_GRID).unwrap().unwrap();
+        let firings: Firings<125> = Firings::new(4000, found.ticks).unwrap();
+        let known = encoded(&FiringsConfig { every_tick, firings: &firings }, &points);
+        assert!(cut_down(&every_tick, &points).unwrap() == known, "seed {seed}");
+    }
+}
+
+#[test]
+fn an_image_with_few_empty_ticks_stays_as_it_is() {
+    let lattice = hdl64e();
+    let config = LatticeConfig { strips: 4, ..LatticeConfig::new(&lattice) };
+    let around = |ticks: usize| -> Vec<[f32; 3]> {
+        let at = |tick: usize| (tick as f32 / 4000.0 * std::f32::consts::TAU).sin_cos();
+        (0..ticks).map(at).map(|(y, x)| [10.0 * x, 10.0 * y, -1.0]).collect()
+    };
+    for (ticks, columns) in [(0, 4000), (4, 4), (2500, 2500), (3200, 4000)] {
+        let (_, bytes) = cut_down(&config, &around(ticks)).unwrap();
+        assert_eq!(frame::parse_header(&bytes).unwrap().columns, columns, "of {ticks} ticks");
+        assert_eq!(Decoder::default().decode(&bytes).unwrap().points().len(), ticks);
+    }
+    let refused = cut_down(&config, &around(3)).map(|_| ());
+    assert_eq!(refused, Err(ConfigError::Strips { found: 4, max: 3 }.into()));
+    let few = Lattice::<66>::new(hdl64e::FIRING_GRID, 1000).unwrap();
+    let mut levels = vec![0_u16; 64 * 1000];
+    let image = ImageViewMut::new(&mut levels, 1000).unwrap();
+    let mut coder = Rle::new();
+    let mut frame = FrameEncoder::start(&LatticeConfig::new(&few), Stamp::default(), image, &mut coder).unwrap();
+    frame.insert(around(1).as_slice());
+    let refused = frame.finish_by_firings::<125>(&mut [0; 1000]).map(|_| ());
+    assert_eq!(refused, Err(ConfigError::Ticks { found: 1000, max: 4000 }.into()));
 }
 
 #[test]

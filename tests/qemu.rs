@@ -2,8 +2,8 @@
 //!
 //! Firmware (`examples/cortex_m`, `examples/aarch64`) is built for each emulated board and encodes the simulated scan,
 //! and real ones where they are at hand, at all of the paper's sizes with every coder, and sensors' packets; each byte
-//! must equal the host's. What it prints of the simulated scan must be what stands in `qemu.out` beside its source; `make bless`
-//! writes that anew.
+//! must equal the host's. What it prints of the simulated scan must be what stands in `qemu.out` beside its source, of a real
+//! one in `tests/qemu/`; `make bless` writes these anew.
 //!
 //! Without an emulator the tests are skipped and counted as ignored; with `FLICR_REQUIRE_QEMU` they fail. So are those of
 //! real scans where there are none.
@@ -54,7 +54,7 @@ fn bytes_equal_the_hosts(board: &'static Board, scan: &Scan) -> Result<(), Faile
     }
     match scan.kind {
         Kind::Simulated => board.check_printed(&lines_of("frame ", &printed)),
-        Kind::Real(_) => Ok(()),
+        Kind::Real(_) => scan.check_printed(&lines_of("frame ", &printed)),
         Kind::Packets(_) => packets::check_cost(board, &lines_of("cost ", &printed)),
         // How many cells hold a return is the scene's doing.
         Kind::Capture { .. } => {
@@ -70,7 +70,7 @@ fn lines_of(what: &str, printed: &str) -> String {
 }
 
 fn check_frame(frame: &Frame, out_prefix: &Path, on_host: &[u8]) -> Result<(), Failed> {
-    let on_board = std::fs::read(format!("{}-{}-{}.flicr", out_prefix.display(), frame.columns, frame.coder))?;
+    let on_board = std::fs::read(format!("{}-{}", out_prefix.display(), frame.file_name()))?;
     if on_board == on_host {
         return Ok(());
     }

@@ -116,6 +116,11 @@ fn every_return_is_counted() {
     assert_eq!((at(0, 0), at(63, 0), at(2, 5)), (100, 100, 255));
 }
 
+fn counterclockwise(beams: &[Beam]) -> SensorGrid<'_> {
+    let (ticks, range_unit_m) = (1, 0.01);
+    SensorGrid { name: "", beams, ticks, clockwise: false, zero_rad: 0.0, range_unit_m, range_from_axis: false }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
@@ -124,7 +129,7 @@ proptest! {
     fn levels_are_within_the_bound(count in 1_u32..1 << 20, unit_um in 1_u32..20_000, step in 1e-6_f32..2.0) {
         let beams = [Beam::default()];
         let range_unit_m = unit_um as f32 * 1e-6;
-        let grid = SensorGrid { name: "", beams: &beams, ticks: 1, clockwise: false, zero_rad: 0.0, range_unit_m };
+        let grid = SensorGrid { ticks: 1, range_unit_m, ..counterclockwise(&beams) };
         let config = GridConfig { scale: Scale::Step { step_m: step }, ..GridConfig::new(grid, 1) };
         let (encoded, _, levels) = frame::<u16>(&config, 1, &[GridReturn { row: 0, tick: 0, count }]);
         let exact = f64::from(count) * f64::from(range_unit_m) / f64::from(step);
@@ -140,7 +145,7 @@ proptest! {
     #[test]
     fn columns_are_the_nearest(ticks in 1_u32..=1 << 20, columns in 1_u16.., tick in any::<u32>()) {
         let (beams, tick) = ([Beam::default()], tick % ticks);
-        let grid = SensorGrid { name: "", beams: &beams, ticks, clockwise: false, zero_rad: 0.0, range_unit_m: 0.01 };
+        let grid = SensorGrid { ticks, ..counterclockwise(&beams) };
         let config = GridConfig::new(grid, columns);
         let (_, _, levels) = frame::<u16>(&config, columns.into(), &[GridReturn { row: 0, tick, count: 9 }]);
         let found = levels.iter().position(|&level| level != 0).unwrap() as u64;

@@ -22,18 +22,22 @@ fn any_f32(state: &mut u64, limit: f32) -> f32 {
 }
 
 fn any_sensor(state: &mut u64) -> Sensor {
-    let beams = (0..=bits(state) % 130).map(|_| Beam {
-        slope: any_f32(state, 60.0),
-        z_offset_m: any_f32(state, 10.0),
-        h_offset_m: any_f32(state, 10.0),
-        azimuth_phase_rad: any_f32(state, 7.0),
+    let mut slopes: Vec<f32> = (0..=bits(state) % 130).map(|_| any_f32(state, 57.0)).collect();
+    slopes.sort_by(|a, b| b.total_cmp(a));
+    slopes.dedup_by(|a, b| a == b);
+    let beams = slopes.iter().map(|&slope| Beam {
+        slope,
+        z_offset_m: any_f32(state, 1.0),
+        h_offset_m: any_f32(state, 0.25),
+        azimuth_phase_rad: any_f32(state, std::f32::consts::TAU),
         range_phase_m: any_f32(state, 10.0),
     });
     Sensor {
         beams: beams.collect(),
         name: "made \"up\" \\ by\ta test, äöü \u{1F4A1}\u{7}\n".into(),
-        ticks_per_turn: 1 + bits(state) % (1 << 22),
-        range_unit_m: any_f32(state, 10.0).abs().max(f32::MIN_POSITIVE),
+        ticks_per_turn: 1 + bits(state) % (1 << 20),
+        range_unit_m: any_f32(state, 1.0).abs().max(f32::MIN_POSITIVE),
+        range_from_axis: bits(state) % 2 == 1,
     }
 }
 
@@ -52,15 +56,17 @@ fn every_bit_comes_back() {
         let sensor = any_sensor(&mut state);
         let text = sensor.to_toml();
         let back = Sensor::from_toml(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_eq!(back.grid().check(), Ok(()), "what is read can be encoded with");
         assert_eq!(all_bits(&back), all_bits(&sensor));
         assert_eq!((back.name, back.ticks_per_turn), (sensor.name, sensor.ticks_per_turn));
+        assert_eq!(back.range_from_axis, sensor.range_from_axis);
     }
 }
 
 #[test]
 fn numbers_are_written_short() {
     let beam = Beam { slope: 0.033_814_6, z_offset_m: 0.209_126, h_offset_m: -0.026, ..Beam::default() };
-    let sensor = Sensor { name: "one".into(), beams: vec![beam], ticks_per_turn: 4000, range_unit_m: 0.002 };
+    let sensor = Sensor { beams: vec![beam], ticks_per_turn: 4000, range_unit_m: 0.002, ..Sensor::default() };
     let text = sensor.to_toml();
     assert!(text.contains("range_unit_m = 0.002\n"), "{text}");
     let line = "{ slope = 0.0338146, z_offset_m = 0.209126, h_offset_m = -0.026, \
@@ -97,14 +103,20 @@ fn the_file_without_a_mistake_is_read() {
 #[test]
 fn numbers_out_of_range_are_named_with_their_line() {
     let beam = "{ slope = 0, z_offset_m = 11, h_offset_m = 0, azimuth_phase_rad = 0, range_phase_m = 0 },";
+    let not_below = LINES[6];
     let cases = [
         (2, "format = 2", "line 2: format is 2, expected 1"),
-        (4, "ticks_per_turn = 0", "line 4: ticks_per_turn is 0, expected 1 to 4194304"),
-        (4, "ticks_per_turn = 5000000", "line 4: ticks_per_turn is 5000000, expected 1 to 4194304"),
-        (5, "range_unit_m = 0", "line 5: range_unit_m is 0, expected over 0, up to 10"),
-        (5, "range_unit_m = nan", "line 5: range_unit_m is NaN, expected over 0, up to 10"),
-        (5, "range_unit_m = -0.002", "line 5: range_unit_m is -0.0020000000949949026, expected over 0, up to 10"),
-        (8, beam, "line 8: z_offset_m of beam 1 is 11, expected -10 to 10"),
+        (4, "ticks_per_turn = 0", "line 4: ticks_per_turn is 0, expected 1 to 1048576"),
+        (4, "ticks_per_turn = 5000000", "line 4: ticks_per_turn is 5000000, expected 1 to 1048576"),
+        (5, "range_unit_m = 0", "line 5: range_unit_m is 0, expected over 0, up to 1"),
+        (5, "range_unit_m = nan", "line 5: range_unit_m is NaN, expected over 0, up to 1"),
+        (5, "range_unit_m = -0.002", "line 5: range_unit_m is -0.0020000000949949026, expected over 0, up to 1"),
+        (
+            8,
+            not_below,
+            "line 8: slope of beam 1 is 0.10000000149011612, expected less than 0.1, the slope of the beam before",
+        ),
+        (8, beam, "line 8: z_offset_m of beam 1 is 11, expected -1 to 1"),
     ];
     for (line, replacement, message) in cases {
         assert_eq!(error_with(line, replacement).to_string(), message);
@@ -175,7 +187,7 @@ fn sensor() -> Sensor {
             range_phase_m: 0.001 - 0.000_06 * row,
         }
     };
-    Sensor { name: "all kinds".into(), beams: (0..32).map(beam).collect(), ticks_per_turn: 4000, range_unit_m: 0.002 }
+    Sensor { beams: (0..32).map(beam).collect(), ticks_per_turn: 4000, range_unit_m: 0.002, ..Sensor::default() }
 }
 
 #[test]

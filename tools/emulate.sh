@@ -5,6 +5,8 @@
 #
 # The firmware reads its arguments, and reads and writes files of this machine, by semihosting. One instruction is one
 # nanosecond of emulated time (-icount shift=0), so that a timer on the board counts instructions, the same every run.
+# FLICR_SERIAL: what QEMU connects the board's UARTs with, words as for its -serial, one for each UART, apart by spaces
+# (default: nothing).
 # FLICR_EMULATE_TIMEOUT: seconds after which a run that hangs is ended (default 300).
 set -euo pipefail
 
@@ -26,5 +28,8 @@ for argument in "${1##*/}" "${@:2}"; do
     semihosting+=",arg=${argument//,/,,}" # a comma that is no separator is written twice
 done
 
-exec timeout --foreground "${FLICR_EMULATE_TIMEOUT:-300}" "${machine[@]}" -nographic -monitor none -serial none \
+serial=()
+for device in ${FLICR_SERIAL:-none}; do serial+=(-serial "$device"); done
+
+exec timeout --foreground "${FLICR_EMULATE_TIMEOUT:-300}" "${machine[@]}" -nographic -monitor none "${serial[@]}" \
     -icount shift=0 -semihosting-config "$semihosting" -kernel "$1" </dev/null

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the smallest Cortex-M firmware that encodes (examples/footprint) and prints its path.
+# Builds the smallest firmware that encodes (examples/footprint) and prints its path.
 #
-#   tools/footprint.sh COLUMNS:CODER   one kind of encoder
-#   tools/footprint.sh none            the same firmware without the codec
+#   tools/footprint.sh KIND [TARGET]   COLUMNS:CODER, an encoder of frames; stream:SENSOR, one of a stream
+#   tools/footprint.sh none [TARGET]   the same firmware without the codec
 #   tools/footprint.sh --kinds         lists the kinds there are
 set -euo pipefail
 shopt -s inherit_errexit
@@ -10,8 +10,8 @@ shopt -s inherit_errexit
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "$here/.."
 
-target=thumbv7em-none-eabihf
-scratch=${CARGO_TARGET_DIR:-target}/footprint
+target=${2:-thumbv7em-none-eabihf}
+scratch=${CARGO_TARGET_DIR:-target}/footprint/$target
 
 build() {
     local kind=$1 flags=() built
@@ -23,7 +23,7 @@ build() {
     echo "$scratch/$kind"
 }
 
-case ${1:?COLUMNS:CODER, none or --kinds} in
+case ${1:?KIND, none or --kinds} in
     --kinds) sed -n 's/.*#\[cfg(footprint = "\(.*\)")\].*/\1/p' examples/footprint/main.rs ;;
     *) build "$1" ;;
 esac

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Lists what of Rust's panic machinery has got into linked code for Cortex-M, one symbol a line; fails if any has.
+# Lists what of Rust's panic machinery has got into linked code, one symbol a line; fails if any has.
 #
-#   tools/no_panic.sh              the smallest firmware that encodes (examples/footprint), of every kind
-#   tools/no_panic.sh LIBRARY.a    what a C program gets that calls every flicr_* function of this static library
+#   tools/no_panic.sh              the smallest firmware for Cortex-M that encodes (examples/footprint), of every kind
+#   tools/no_panic.sh LIBRARY.a    what a C program gets that calls every flicr_* function of this static library for Cortex-M
+#   tools/no_panic.sh --program TOOLS PROGRAM    this program, by TOOLS-nm: arm-none-eabi or aarch64-linux-gnu
 set -euo pipefail
 shopt -s inherit_errexit
 
@@ -26,13 +27,17 @@ linked() {
 # panics PROGRAM: nothing, where there are none.
 panics() {
     local symbols
-    symbols=$(arm-none-eabi-nm --demangle=rust "$1" | cut -c12- | sort -u)
+    symbols=$("$tools-nm" --demangle=rust "$1" | sed 's/^[0-9a-f ]* . //' | sort -u)
     grep -E "$machinery" <<<"$symbols" || true
 }
 
 mkdir -p "$scratch"
+tools=arm-none-eabi
 programs=()
-if [[ $# == 0 ]]; then
+if [[ ${1:-} == --program ]]; then
+    tools=${2:?--program TOOLS PROGRAM}
+    programs+=("${3:?--program TOOLS PROGRAM}")
+elif [[ $# == 0 ]]; then
     for kind in $("$here/footprint.sh" --kinds); do programs+=("$("$here/footprint.sh" "$kind")"); done
 else
     programs+=("$(linked "$1")")

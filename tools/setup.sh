@@ -3,6 +3,8 @@
 #
 #   tools/setup.sh            everything
 #   tools/setup.sh --check    installs nothing; names what is missing and fails if anything is
+#   tools/setup.sh --bench    the codec that `make bench` compares with
+#   tools/setup.sh --paper    other codecs, for `make paper` alone (PCL's packages are large)
 #
 # A core library for each target comes from rustup where it can download, else from Debian's compiler and sources:
 # see tools/cross.sh. FLICR_CROSS=rustup or debian allows only that one way.
@@ -28,7 +30,11 @@ missing_tools() {
     have arm-none-eabi-gcc && have arm-none-eabi-size || echo "gcc-arm-none-eabi: arm-none-eabi-gcc, -size, -nm"
     have aarch64-linux-gnu-objdump || echo "binutils-aarch64-linux-gnu: aarch64-linux-gnu-ld, -objdump"
     have valgrind || echo "valgrind: valgrind"
+    have zstd || echo "zstd: zstd"
     have python3 || echo "python3: python3"
+    python3 -c 'import ensurepip, venv' 2>/dev/null || echo "python3-venv: Python's venv"
+    have cmake || echo "cmake: cmake"
+    have pkg-config || echo "pkg-config: pkg-config"
     [[ $(uname -m) == aarch64 ]] && return
     have qemu-aarch64 || echo "qemu-user: qemu-aarch64"
     have aarch64-linux-gnu-gcc || echo "gcc-aarch64-linux-gnu: aarch64-linux-gnu-gcc"
@@ -39,6 +45,17 @@ missing_targets() {
     for target in "${targets[@]}"; do
         "$here/cross.sh" --way "$target" >/dev/null 2>&1 || echo "$target"
     done
+}
+
+# What only `make bench` needs, likewise.
+missing_bench_tools() { have draco_encoder && have draco_decoder || echo "draco: draco_encoder, draco_decoder"; }
+
+# What only `make paper` needs, likewise.
+missing_paper_tools() {
+    have g++ || echo "g++: g++"
+    have ffmpeg || echo "ffmpeg: ffmpeg"
+    [[ -d /usr/include/draco ]] || echo "libdraco-dev: Draco's headers"
+    compgen -G '/usr/include/pcl-*' >/dev/null || echo "libpcl-dev: PCL's headers"
 }
 
 # The apt lists are fetched once, and only if something has to be installed.
@@ -62,9 +79,10 @@ apt_install() {
     rm -f "$log"
 }
 
+# install_tools MISSING: what a command lists as missing.
 install_tools() {
     local missing
-    missing=$(missing_tools)
+    missing=$("$1")
     [[ -z $missing ]] && return
     have apt-get || fail "no apt-get here, and these are missing (Debian's package name: what of it):"$'\n'"$missing"
     # shellcheck disable=SC2046 # one package a line, none with spaces
@@ -114,16 +132,26 @@ install_targets() {
     [[ ${#missing[@]} == 0 ]] || fail "still no core library for: ${missing[*]}"
 }
 
+# What makes text of what firmware logs.
+install_defmt_print() {
+    command -v defmt-print >/dev/null && return
+    say "cargo install defmt-print"
+    "$here/defmt.sh" install || fail "cargo cannot install defmt-print"
+}
+
 check() {
     local missing
-    missing=$(missing_tools; missing_targets | sed 's/^/rust target: /'; missing_lint_tools)
+    missing=$(missing_tools; missing_targets | sed 's/^/rust target: /'; missing_lint_tools; have defmt-print || echo defmt-print)
     [[ -z $missing ]] || fail "missing (run tools/setup.sh):"$'\n'"$missing"
 }
 
 [[ ${1:-} == --check ]] && { check; exit; }
+[[ ${1:-} == --bench ]] && { install_tools missing_bench_tools; exit; }
+[[ ${1:-} == --paper ]] && { install_tools missing_paper_tools; exit; }
 have cargo || have apt-get || fail "no cargo: install Rust from https://rustup.rs"
-install_tools
+install_tools missing_tools
 install_targets
 have cargo || fail "Debian's compiler is installed, but no cargo is on PATH"
 install_lint_tools
+install_defmt_print
 say "all there"

@@ -5,7 +5,9 @@
 #   worst frame   the output buffer that is enough for every frame
 #   stack         by painting, while the simulated scan is encoded on the emulated Cortex-M7 (examples/cortex_m)
 #   instructions  of that run: projection for each point, coding for each pixel; then, with the default profile, at all
-#                 six of the paper's sizes
+#                 six of the paper's sizes, and the context coders' on the scan's own firings
+#   coder         of the flash of a context coder's encoder, what the one that stores levels as they are has not: code and
+#                 tables
 #
 # Writes nothing outside target/.
 set -euo pipefail
@@ -26,7 +28,17 @@ kinds=(
     "256:deflate-small 32768 49152 4096"
     "4500:rle 32768 352256 4096"
     "256:rle 32768 49152 4096"
+    "4500:store 32768 352256 4096"
+    "4500:small 32768 352256 4096"
+    "4500:dense 32768 352256 4096"
 )
+# Context coders: CODER, most bytes of code and tables, of state (small with a packet of 1400 bytes: 4 KB).
+# Promised are 8192 and 12288 bytes of code: what is not met yet is kept from growing, and the promise is printed.
+context=("small 9728 2696" "dense 12288 4300")
+# Their steps, in counts of 2 mm, and the most instructions a pixel at each; promised on KITTI's scans are fewer.
+steps=(1 10 51 157)
+declare -A step_max=([small]="305 227 153 124" [dense]="1150 700 420 316")
+declare -A promised=([small]="8192 2696 4096 340 235 155 128" [dense]="12288 4300 4096 1180 740 450 335")
 # The paper's sizes, and the most instructions that the largest may take for a point and for a pixel.
 columns=(4500 4096 2048 1024 512 256)
 point_max=130
@@ -50,10 +62,12 @@ cost_lines() {
     "$here/emulate.sh" m7 "$built/cortex_m" "$scan" "$scratch/frame" "${@/%/:120}"
 }
 
-# field LINES COLUMNS:CODER NAME: a number out of the lines on that kind.
+# field LINES COLUMNS:CODER[:STEP] NAME: a number out of the lines on that kind.
 field() {
-    awk -v columns="columns=${2%:*}" -v coder="coder=${2#*:}" -v name="$3=" '
-        $2 == columns && $3 == coder { for (i = 4; i <= NF; i++) if (index($i, name) == 1) print substr($i, length(name) + 1) }
+    local columns coder step
+    IFS=: read -r columns coder step <<<"$2"
+    awk -v columns="columns=$columns" -v coder="coder=$coder" -v step="${step:+step=$step}" -v name="$3=" '
+        $2 == columns && $3 == coder && (step == "" || $4 == step) { for (i = 4; i <= NF; i++) if (index($i, name) == 1) print substr($i, length(name) + 1) }
     ' <<<"$1"
 }
 
@@ -107,5 +121,37 @@ for width in "${columns[@]}"; do
         within "projection of $width in instructions for all $points points" "$project" $((point_max * points))
         within "coding of $width in instructions for all $((64 * width)) pixels" "$code" $((pixel_max * 64 * width))
     fi
+done
+
+stored=$(flash_bytes "$("$here/footprint.sh" 4500:store)")
+frames=()
+for step in "${steps[@]}"; do frames+=("native:small:$step" "native:dense:$step"); done
+costs=$("$here/emulate.sh" m7 "$built/cortex_m" "$scan" "$scratch/frame" "${frames[@]}")
+row='%-8s %8s %8s %8s %30s\n'
+echo
+# shellcheck disable=SC2059
+printf "$row" context coder state stack "instr./pixel at 2/20/102/314 mm"
+for kind in "${context[@]}"; do
+    read -r name flash_max state_max <<<"$kind"
+    flash=$(($(flash_bytes "$("$here/footprint.sh" "4500:$name")") - stored))
+    state=$(field "$(cost_lines "$scan" "256:$name")" "256:$name" encoder_bytes)
+    state=$((state - 64 * 256))
+    read -ra most <<<"${step_max[$name]}"
+    printed=()
+    for at in "${!steps[@]}"; do
+        hundredths=$(field "$costs" "native:$name:${steps[at]}" hundredths_a_pixel)
+        printed+=("$(tenths "$hundredths" 100)")
+        within "coding by $name in steps of ${steps[at]} counts, in hundredths of instructions a pixel" \
+            "$hundredths" $((100 * most[at]))
+    done
+    stack=$(field "$costs" "native:$name:1" stack_bytes)
+    # shellcheck disable=SC2059
+    printf "$row" "$name" "$flash" "$state" "$stack" "${printed[*]}"
+    read -r flash_promised state_promised stack_promised most_promised <<<"${promised[$name]}"
+    # shellcheck disable=SC2059
+    printf "$row" promised "$flash_promised" "$state_promised" "$stack_promised" "$most_promised"
+    within "code and tables of $name" "$flash" "$flash_max"
+    within "state of $name" "$state" "$state_max"
+    within "stack of $name" "$stack" 4096
 done
 [[ -z $failed ]]

@@ -62,7 +62,7 @@ pub fn reconstruct(levels: &[u8], columns: usize, max: f32, image: &mut [f32], p
 }
 
 #[inline(never)]
-fn to_xyz(range: f32, row: usize, column: usize, column_deg: f32) -> [f32; 3] {
+pub fn to_xyz(range: f32, row: usize, column: usize, column_deg: f32) -> [f32; 3] {
     let polar = (row as f32 * ROW_DEG + TOP_DEG).to_radians();
     let azimuth = (column as f32 * column_deg - 180.0).to_radians();
     [range * polar.sin() * azimuth.cos(), range * polar.sin() * azimuth.sin(), range * polar.cos()]

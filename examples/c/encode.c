@@ -37,6 +37,32 @@ typedef struct {
   const char *name;
 } frame_kind;
 
+static void fail(const char *what, const char *why) {
+  fprintf(stderr, "%s: %s\n", what, why);
+  exit(1);
+}
+
+static void check(const char *what, flicr_status status) {
+  if (status != FLICR_STATUS_OK) fail(what, flicr_status_text(status));
+}
+
+/* The context coders are told how far apart levels are, and in what steps they are to be kept: here all of them. */
+static flicr_context lossless(const flicr_config *config) {
+  flicr_context context;
+  check("context", flicr_context_init(config->max_range_m / 255, 0, &context));
+  return context;
+}
+
+static flicr_status init_small(void *state, size_t len, const flicr_config *config, flicr_encoder **encoder) {
+  flicr_context context = lossless(config);
+  return flicr_encoder_init_small(state, len, config, &context, encoder);
+}
+
+static flicr_status init_dense(void *state, size_t len, const flicr_config *config, flicr_encoder **encoder) {
+  flicr_context context = lossless(config);
+  return flicr_encoder_init_dense(state, len, config, &context, encoder);
+}
+
 static const frame_kind KINDS[] = {
     {4500, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
     {256, FLICR_CODER_RLE, flicr_encoder_init_rle, "rle"},
@@ -46,6 +72,10 @@ static const frame_kind KINDS[] = {
     {256, FLICR_CODER_DEFLATE_SMALL, flicr_encoder_init_deflate_small, "deflate-small"},
     {4500, FLICR_CODER_DEFLATE_DENSE, flicr_encoder_init_deflate_dense, "deflate-dense"},
     {256, FLICR_CODER_DEFLATE_DENSE, flicr_encoder_init_deflate_dense, "deflate-dense"},
+    {4500, FLICR_CODER_SMALL, init_small, "small"},
+    {256, FLICR_CODER_SMALL, init_small, "small"},
+    {4500, FLICR_CODER_DENSE, init_dense, "dense"},
+    {256, FLICR_CODER_DENSE, init_dense, "dense"},
 };
 
 /* All memory that flicr needs: sized at compile time, for the coder with the largest state and the one whose frames can
@@ -53,15 +83,6 @@ static const frame_kind KINDS[] = {
 static uint64_t encoder_memory[FLICR_ENCODER_WORDS(COLUMNS_MAX, ROWS, FLICR_CODER_DEFLATE_DENSE)];
 static uint8_t frame[FLICR_WORST_CASE_LEN(COLUMNS_MAX, ROWS, FLICR_CODER_RLE)];
 static uint8_t frame_in_pieces[sizeof frame];
-
-static void fail(const char *what, const char *why) {
-  fprintf(stderr, "%s: %s\n", what, why);
-  exit(1);
-}
-
-static void check(const char *what, flicr_status status) {
-  if (status != FLICR_STATUS_OK) fail(what, flicr_status_text(status));
-}
 
 static FILE *open_or_fail(const char *path, const char *mode) {
   FILE *file = fopen(path, mode);

@@ -74,7 +74,8 @@ fn fill(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
     Ok(len)
 }
 
-/// Writes a frame where the job wants it: `OUT_PREFIX-COLUMNS-CODER.flicr`.
+/// Writes a frame where the job wants it: `OUT_PREFIX-COLUMNS-CODER.flicr`, or
+/// `OUT_PREFIX-native-CODER-STEP.flicr`.
 pub fn write_frame(job: &Job<'_>, frame: &[u8]) -> Result<(), Fault> {
     Ok(fs::write(frame_path(job)?, frame)?)
 }
@@ -86,9 +87,14 @@ pub fn create_frames(job: &Job<'_>) -> Result<File, Fault> {
 
 fn frame_path(job: &Job<'_>) -> Result<CString<PATH_LEN>, Usage> {
     let mut path = String::<PATH_LEN>::new();
-    fmt::write(&mut path, format_args!("{}-{}-{}.flicr", job.out_prefix, job.columns, job.coder))
-        .map_err(|_| Usage::PathTooLong)?;
+    write_path(job, &mut path).map_err(|_| Usage::PathTooLong)?;
     c_path(&path)
+}
+
+fn write_path(job: &Job<'_>, path: &mut impl fmt::Write) -> fmt::Result {
+    write!(path, "{}-", job.out_prefix)?;
+    job.write_name(path)?;
+    path.write_str(".flicr")
 }
 
 fn c_path(path: &str) -> Result<CString<PATH_LEN>, Usage> {

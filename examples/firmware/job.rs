@@ -1,14 +1,19 @@
-//! The command line: `SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M...`, one frame for each of the last; where a sensor stands
-//! for the coder, the scan is packets, and one frame is made for every turn.
+//! The command line: `SCAN OUT_PREFIX FRAME...`. A frame is
+//!
+//! * `COLUMNS:CODER:MAX_RANGE_M`: 8 bits, evenly spaced rows and columns; where a sensor stands for the coder, the scan is
+//!   packets, and one frame is made for every turn;
+//! * `native:CODER:STEP`: a column for each firing of KITTI's HDL-64E, its own range counts, a context coder in steps of
+//!   STEP counts.
 
 use core::fmt;
 use core::str::FromStr;
 
+use flicr::coder::Step;
 use semihosting::experimental::env::{Args, args};
 
 use super::Fault;
 
-const COMMAND_LINE_LEN: usize = 1024;
+const COMMAND_LINE_LEN: usize = 2048;
 
 /// What is wrong with the command line.
 #[derive(Debug)]
@@ -18,7 +23,9 @@ pub enum Usage {
     Columns,
     TooManyColumns,
     Coder,
+    NativeCoder,
     MaxRange,
+    Step,
     PathTooLong,
 }
 
@@ -27,24 +34,30 @@ impl fmt::Display for Usage {
         match self {
             Self::Missing(what) => write!(f, "missing argument: {what}"),
             Self::NotText => f.write_str("an argument is not UTF-8"),
-            Self::Columns => f.write_str("COLUMNS is no number"),
+            Self::Columns => f.write_str("COLUMNS is neither a number nor native"),
             Self::TooManyColumns => write!(f, "COLUMNS must be 1 to {}", super::COLUMNS_MAX),
             Self::Coder => f.write_str(
-                "CODER must be store, rle, deflate, deflate-small, deflate-dense, lattice, vlp16, vlp32c or pandar40p",
+                "CODER must be store, rle, deflate, deflate-small, deflate-dense, small, dense, fast, lattice, vlp16, \
+                 vlp32c or pandar40p",
             ),
+            Self::NativeCoder => f.write_str("native columns are for small, dense and fast"),
             Self::MaxRange => f.write_str("MAX_RANGE_M is no number"),
+            Self::Step => f.write_str("STEP must be 1 to 65535"),
             Self::PathTooLong => f.write_str("a path is too long"),
         }
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum CoderName {
     Store,
     Rle,
     Deflate,
     DeflateSmall,
     DeflateDense,
+    Small,
+    Dense,
+    Fast,
     /// Run lengths on the sensor's own grid.
     Lattice,
     /// Run lengths of packets.
@@ -63,6 +76,9 @@ impl FromStr for CoderName {
             "deflate" => Ok(Self::Deflate),
             "deflate-small" => Ok(Self::DeflateSmall),
             "deflate-dense" => Ok(Self::DeflateDense),
+            "small" => Ok(Self::Small),
+            "dense" => Ok(Self::Dense),
+            "fast" => Ok(Self::Fast),
             "lattice" => Ok(Self::Lattice),
             "vlp16" => Ok(Self::Vlp16),
             "vlp32c" => Ok(Self::Vlp32c),
@@ -80,6 +96,9 @@ impl fmt::Display for CoderName {
             Self::Deflate => "deflate",
             Self::DeflateSmall => "deflate-small",
             Self::DeflateDense => "deflate-dense",
+            Self::Small => "small",
+            Self::Dense => "dense",
+            Self::Fast => "fast",
             Self::Lattice => "lattice",
             Self::Vlp16 => "vlp16",
             Self::Vlp32c => "vlp32c",
@@ -92,9 +111,45 @@ impl fmt::Display for CoderName {
 pub struct Job<'a> {
     pub scan: &'a str,
     pub out_prefix: &'a str,
-    pub columns: usize,
     pub coder: CoderName,
+    pub shape: Shape,
+}
+
+/// What the image is like.
+#[derive(Clone, Copy)]
+pub enum Shape {
+    Even(Even),
+    /// A column a firing, levels of a range count.
+    Native(Step),
+}
+
+/// Columns spread evenly.
+#[derive(Clone, Copy)]
+pub struct Even {
+    pub columns: usize,
     pub max_range_m: f32,
+}
+
+impl fmt::Display for Job<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let coder = self.coder;
+        match self.shape {
+            Shape::Even(Even { columns, max_range_m }) => {
+                write!(f, "columns={columns} coder={coder} max_range_m={max_range_m}")
+            }
+            Shape::Native(step) => write!(f, "columns=native coder={coder} step={}", step.levels()),
+        }
+    }
+}
+
+impl Job<'_> {
+    /// Writes what its file's name says of it.
+    pub fn write_name(&self, name: &mut impl fmt::Write) -> fmt::Result {
+        match self.shape {
+            Shape::Even(even) => write!(name, "{}-{}", even.columns, self.coder),
+            Shape::Native(step) => write!(name, "native-{}-{}", self.coder, step.levels()),
+        }
+    }
 }
 
 /// The command line, as the host gave it.
@@ -118,11 +173,20 @@ impl Arguments {
 fn parse_frame<'a>(scan: &'a str, out_prefix: &'a str, frame: &str) -> Result<Job<'a>, Usage> {
     let mut fields = frame.split(':');
     let mut field = |what| fields.next().ok_or(Usage::Missing(what));
-    Ok(Job {
-        scan,
-        out_prefix,
-        columns: field("COLUMNS")?.parse().map_err(|_| Usage::Columns)?,
-        coder: field("CODER")?.parse()?,
-        max_range_m: field("MAX_RANGE_M")?.parse().map_err(|_| Usage::MaxRange)?,
-    })
+    let columns = field("COLUMNS")?;
+    let coder = field("CODER")?.parse()?;
+    let shape = if columns == "native" {
+        parse_native(coder, field("STEP")?)?
+    } else {
+        let columns = columns.parse().map_err(|_| Usage::Columns)?;
+        Shape::Even(Even { columns, max_range_m: field("MAX_RANGE_M")?.parse().map_err(|_| Usage::MaxRange)? })
+    };
+    Ok(Job { scan, out_prefix, coder, shape })
+}
+
+fn parse_native(coder: CoderName, step: &str) -> Result<Shape, Usage> {
+    if ![CoderName::Small, CoderName::Dense, CoderName::Fast].contains(&coder) {
+        return Err(Usage::NativeCoder);
+    }
+    step.parse().ok().and_then(Step::new).map(Shape::Native).ok_or(Usage::Step)
 }

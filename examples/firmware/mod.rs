@@ -6,21 +6,23 @@
 
 mod host;
 mod job;
+mod native;
 mod packets;
 mod stack;
 mod stage;
 
 use core::fmt;
 
+use flicr::coder::{ContextSettings, Fast};
 use flicr::geometry::{Lattice, sensors::hdl64e};
 use flicr::packet::PacketError;
 use flicr::{
-    Coder, Config, DeflateDefault, DeflateDense, DeflateSmall, EncodeError, Encoded, FrameEncoder, ImageViewMut,
-    LatticeConfig, Rle, Scale, Settings, Stamp, Store, frame,
+    Coder, Config, ConfigError, DeflateDefault, DeflateDense, DeflateSmall, Dense, EncodeError, Encoded, FrameEncoder,
+    ImageViewMut, LatticeConfig, Level, Rle, Scale, Settings, Small, Stamp, Store, frame,
 };
 
 use host::{PIECE_LEN, Scan, print_line, write_frame};
-use job::{CoderName, Job, Usage};
+use job::{CoderName, Even, Job, Shape, Usage};
 use stage::Stage;
 pub use stage::{Board, Clock};
 
@@ -33,13 +35,14 @@ const FRAME_LEN_MAX: usize = max([
     worst_case_len::<DeflateDefault>(),
     worst_case_len::<DeflateSmall>(),
     worst_case_len::<DeflateDense>(),
+    native::FRAME_LEN_MAX,
 ]);
 
 const fn worst_case_len<C: Coder<u8>>() -> usize {
     frame::worst_case_len::<u8, C>(PIXELS_MAX)
 }
 
-const fn max(lengths: [usize; 5]) -> usize {
+const fn max(lengths: [usize; 6]) -> usize {
     let (mut longest, mut at) = (0, 0);
     while at < lengths.len() {
         if lengths[at] > longest {
@@ -62,6 +65,7 @@ const LATTICE_COLUMNS: usize = 4000;
 /// that switch, as here.
 pub struct Memory {
     levels: [u8; PIXELS_MAX],
+    native_levels: [u16; native::PIXELS_MAX],
     frame: [u8; FRAME_LEN_MAX],
     piece: [u8; PIECE_LEN],
     store: Store,
@@ -69,6 +73,28 @@ pub struct Memory {
     deflate: DeflateDefault,
     deflate_small: DeflateSmall,
     deflate_dense: DeflateDense,
+    context: Context,
+}
+
+/// The context coders, for both kinds of levels.
+struct Context {
+    small: Small,
+    dense: Dense,
+    fast: Fast,
+}
+
+impl Context {
+    const NEW: Self = Self {
+        small: Small::new(ContextSettings::COARSE),
+        dense: Dense::new(ContextSettings::COARSE),
+        fast: Fast::new(ContextSettings::COARSE),
+    };
+
+    fn set(&mut self, settings: ContextSettings) {
+        self.small.set(settings);
+        self.dense.set(settings);
+        self.fast.set(settings);
+    }
 }
 
 impl Memory {
@@ -76,6 +102,7 @@ impl Memory {
     pub const fn new() -> Self {
         Self {
             levels: [0; PIXELS_MAX],
+            native_levels: [0; native::PIXELS_MAX],
             frame: [0; FRAME_LEN_MAX],
             piece: [0; PIECE_LEN],
             store: Store::new(),
@@ -83,6 +110,7 @@ impl Memory {
             deflate: DeflateDefault::new(),
             deflate_small: DeflateSmall::new(),
             deflate_dense: DeflateDense::new(),
+            context: Context::NEW,
         }
     }
 }
@@ -101,7 +129,10 @@ enum Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(usage) => write!(f, "{usage}; arguments: SCAN OUT_PREFIX COLUMNS:CODER:MAX_RANGE_M..."),
+            Self::Usage(usage) => write!(
+                f,
+                "{usage}; arguments: SCAN OUT_PREFIX FRAME..., frames: COLUMNS:CODER:MAX_RANGE_M or native:CODER:STEP"
+            ),
             Self::Host(error) => write!(f, "the host's files: {error:?}"),
             Self::TornPoint => f.write_str("the scan ends inside a point of 16 bytes"),
             Self::TornPacket => f.write_str("the file ends inside a packet"),
@@ -123,6 +154,12 @@ impl From<semihosting::io::Error> for Fault {
     }
 }
 
+impl From<ConfigError> for Fault {
+    fn from(error: ConfigError) -> Self {
+        Self::Encode(error.into())
+    }
+}
+
 impl From<EncodeError> for Fault {
     fn from(error: EncodeError) -> Self {
         Self::Encode(error)
@@ -141,44 +178,56 @@ pub fn main<B: Board>(board: &mut B, memory: &mut Memory) -> i32 {
 }
 
 fn encode_all<B: Board>(board: &mut B, memory: &mut Memory) -> Result<(), Fault> {
-    let Memory { levels, frame, piece, store, rle, deflate, deflate_small, deflate_dense } = memory;
     let arguments = job::arguments()?;
     for job in arguments.jobs()? {
         let job = job?;
-        if let Some(sensor) = packets::sensor_of(job.coder) {
-            packets::encode_turns(board, &job, sensor, levels, rle, piece, frame)?;
-            continue;
-        }
-        let levels = levels.get_mut(..ROWS * job.columns).ok_or(Usage::TooManyColumns)?;
-        let image = ImageViewMut::new(levels, job.columns).ok_or(Usage::TooManyColumns)?;
-        let scan = Scan::open(job.scan, piece)?;
-        let scale = Scale::Fixed { max_range_m: job.max_range_m };
-        let uniform = Config { scale, ..Config::UNIFORM };
-        let on_grid = LatticeConfig { scale, level_bits: u8::BITS, ..LatticeConfig::new(&LATTICE) };
-        match job.coder {
-            CoderName::Store => encode_one(board, &job, &uniform, scan, image, store, frame)?,
-            CoderName::Rle => encode_one(board, &job, &uniform, scan, image, rle, frame)?,
-            CoderName::Deflate => encode_one(board, &job, &uniform, scan, image, deflate, frame)?,
-            CoderName::DeflateSmall => encode_one(board, &job, &uniform, scan, image, deflate_small, frame)?,
-            CoderName::DeflateDense => encode_one(board, &job, &uniform, scan, image, deflate_dense, frame)?,
-            CoderName::Lattice => encode_one(board, &job, &on_grid, scan, image, rle, frame)?,
-            // Packets: above.
-            CoderName::Vlp16 | CoderName::Vlp32c | CoderName::Pandar40p => {}
+        match job.shape {
+            Shape::Even(even) => encode_even(board, &job, even, memory)?,
+            Shape::Native(step) => native::encode(board, &job, step, memory)?,
         }
     }
     Ok(())
 }
 
-fn encode_one<B: Board, C: Coder<u8>>(
+fn encode_even<B: Board>(board: &mut B, job: &Job<'_>, even: Even, memory: &mut Memory) -> Result<(), Fault> {
+    let Memory { levels, frame, piece, store, rle, deflate, deflate_small, deflate_dense, context, .. } = memory;
+    if let Some(sensor) = packets::sensor_of(job.coder) {
+        return packets::encode_turns(board, (job, even), sensor, levels, rle, piece, frame);
+    }
+    let levels = levels.get_mut(..ROWS * even.columns).ok_or(Usage::TooManyColumns)?;
+    let image = ImageViewMut::new(levels, even.columns).ok_or(Usage::TooManyColumns)?;
+    let scan = Scan::open(job.scan, piece)?;
+    let scale = Scale::Fixed { max_range_m: even.max_range_m };
+    let uniform = Config { scale, ..Config::UNIFORM };
+    let on_grid = LatticeConfig { scale, level_bits: u8::BITS, ..LatticeConfig::new(&LATTICE) };
+    context.set(ContextSettings::COARSE);
+    match job.coder {
+        CoderName::Store => encode_one(board, job, &uniform, scan, image, store, frame),
+        CoderName::Rle => encode_one(board, job, &uniform, scan, image, rle, frame),
+        CoderName::Deflate => encode_one(board, job, &uniform, scan, image, deflate, frame),
+        CoderName::DeflateSmall => encode_one(board, job, &uniform, scan, image, deflate_small, frame),
+        CoderName::DeflateDense => encode_one(board, job, &uniform, scan, image, deflate_dense, frame),
+        CoderName::Small => encode_one(board, job, &uniform, scan, image, &mut context.small, frame),
+        CoderName::Dense => encode_one(board, job, &uniform, scan, image, &mut context.dense, frame),
+        CoderName::Fast => encode_one(board, job, &uniform, scan, image, &mut context.fast, frame),
+        CoderName::Lattice => encode_one(board, job, &on_grid, scan, image, rle, frame),
+        // Packets: above.
+        CoderName::Vlp16 | CoderName::Vlp32c | CoderName::Pandar40p => Ok(()),
+    }
+}
+
+fn encode_one<B: Board, L: Level, C: Coder<L>>(
     board: &mut B,
     job: &Job<'_>,
     config: &impl Settings,
     mut scan: Scan<'_>,
-    image: ImageViewMut<'_, u8>,
+    image: ImageViewMut<'_, L>,
     coder: &mut C,
     out: &mut [u8],
 ) -> Result<(), Fault> {
     let (mut project, mut code) = (Stage::new(), Stage::new());
+    let pixels = image.as_view().pixels();
+    let encoder_len = pixels * size_of::<L>() + size_of::<C>();
 
     let start = || FrameEncoder::start(config, Stamp::default(), image, coder);
     let mut filling = project.run(board, B::project_pin, start)?;
@@ -190,7 +239,7 @@ fn encode_one<B: Board, C: Coder<u8>>(
     let frame = out.get(..encoded.len).unwrap_or_default();
     write_frame(job, frame)?;
     print_frame(job, &encoded, frame);
-    print_cost::<B, C>(job, board, &project, &code);
+    print_cost(job, board, (&project, &code), pixels, encoder_len);
     Ok(())
 }
 
@@ -198,27 +247,30 @@ fn print_frame(job: &Job<'_>, encoded: &Encoded, frame: &[u8]) {
     let checksum = frame.last_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
     let tally = &encoded.tally;
     print_line(format_args!(
-        "frame columns={} coder={} max_range_m={} points={} kept={} bytes={} crc={checksum:08x}",
-        job.columns,
-        job.coder,
-        job.max_range_m,
+        "frame {job} points={} kept={} bytes={} crc={checksum:08x}",
         tally.points,
         tally.kept(),
         encoded.len,
     ));
 }
 
-fn print_cost<B: Board, C>(job: &Job<'_>, board: &B, project: &Stage, code: &Stage) {
+/// The pixels coded are the whole image's, empty ones too.
+fn print_cost<B: Board>(
+    job: &Job<'_>,
+    board: &B,
+    (project, code): (&Stage, &Stage),
+    pixels: usize,
+    encoder_bytes: usize,
+) {
     let clock = board.clock();
+    let hundredths_a_pixel = 100 * code.cost(clock) / (pixels as u64).max(1);
     print_line(format_args!(
-        "cost columns={} coder={} unit={} project={} code={} total={} stack_bytes={} encoder_bytes={}",
-        job.columns,
-        job.coder,
+        "cost {job} unit={} project={} code={} hundredths_a_pixel={hundredths_a_pixel} total={} stack_bytes={} \
+         encoder_bytes={encoder_bytes}",
         clock.unit(),
         project.cost(clock),
         code.cost(clock),
         project.cost(clock) + code.cost(clock),
         project.stack_bytes().max(code.stack_bytes()),
-        ROWS * job.columns + size_of::<C>(),
     ));
 }

@@ -7,7 +7,7 @@ use flicr::{EncodedTurn, GridConfig, ImageViewMut, PacketEncoder, PushError, Rle
 use semihosting::io::Write;
 
 use super::host::{PIECE_LEN, Packets, create_frames, print_line};
-use super::job::{CoderName, Job, Usage};
+use super::job::{CoderName, Even, Job, Usage};
 use super::stage::{Board, Clock, Stage};
 use super::{Fault, print_frame};
 
@@ -36,17 +36,17 @@ pub fn sensor_of(name: CoderName) -> Option<PacketSensor> {
 /// Encodes every turn. A packet that ends a turn is counted as coding: all others only fill the image.
 pub fn encode_turns<B: Board>(
     board: &mut B,
-    job: &Job<'_>,
+    (job, Even { columns, max_range_m }): (&Job<'_>, Even),
     PacketSensor { model, grid }: PacketSensor,
     levels: &mut [u8],
     coder: &mut Rle,
     piece: &mut [u8; PIECE_LEN],
     out: &mut [u8],
 ) -> Result<(), Fault> {
-    let levels = levels.get_mut(..grid.beams.len() * job.columns).ok_or(Usage::TooManyColumns)?;
-    let image = ImageViewMut::new(levels, job.columns).ok_or(Usage::TooManyColumns)?;
-    let scale = Scale::Fixed { max_range_m: job.max_range_m };
-    let config = GridConfig { scale, level_bits: u8::BITS, table: true, ..GridConfig::new(grid, job.columns as u16) };
+    let levels = levels.get_mut(..grid.beams.len() * columns).ok_or(Usage::TooManyColumns)?;
+    let image = ImageViewMut::new(levels, columns).ok_or(Usage::TooManyColumns)?;
+    let scale = Scale::Fixed { max_range_m };
+    let config = GridConfig { scale, level_bits: u8::BITS, table: true, ..GridConfig::new(grid, columns as u16) };
     let turns = TurnAssembler::new(Sensor::Spinning(model), ReturnPolicy::Strongest);
     let mut encoder = PacketEncoder::new(&config, turns, [image], coder)?;
     let (mut fill, mut code, mut filled) = (Stage::new(), Stage::new(), Filled::default());
@@ -103,10 +103,8 @@ impl Filled {
         let all = u64::from(self.packets + self.turns.saturating_sub(1)).max(1);
         let hundredths = |of: u32| 100 * fill.cost(clock) * all / (u64::from(of) * u64::from(self.packets)).max(1);
         print_line(format_args!(
-            "cost columns={} coder={} unit={} packets={} cells={} returns={} fill={} hundredths_a_cell={} \
+            "cost {job} unit={} packets={} cells={} returns={} fill={} hundredths_a_cell={} \
              hundredths_a_return={} code={} stack_bytes={}",
-            job.columns,
-            job.coder,
             clock.unit(),
             all,
             self.cells,

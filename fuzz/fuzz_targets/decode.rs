@@ -29,6 +29,13 @@ fuzz_target!(|data: &[u8]| {
     }
     if let Ok(decoded) = Decoder::new(LIMITS).decode(&frame) {
         let pixels = decoded.header().pixels();
-        assert!(pixels <= LIMITS.pixels && decoded.points().len() <= pixels);
+        let points = decoded.points().len();
+        assert!(pixels <= LIMITS.pixels && points <= pixels);
+        assert!(decoded.intensities().is_none_or(|intensities| intensities.len() == points));
+        assert!(decoded.times_ns().is_none_or(|times_ns| times_ns.len() == points));
+        if let Ok(Some(original)) = decoded.original() {
+            // Every record is a return's, or stands in the frame as it is.
+            assert!(original.len() <= 16 * points + frame.len());
+        }
     }
 });

@@ -40,7 +40,15 @@ fuzz_target!(|data: &[u8]| {
     let beams = beams();
     let columns = u16::from_le_bytes([c0, c1]) % 1024 + 1;
     let range_unit_m = 0.000_5 * (f32::from(unit) + 1.0);
-    let grid = SensorGrid { name: "", beams: &beams, ticks: 36_000, clockwise: true, zero_rad: 0.0, range_unit_m };
+    let grid = SensorGrid {
+        name: "",
+        beams: &beams,
+        ticks: 36_000,
+        clockwise: true,
+        zero_rad: 0.0,
+        range_unit_m,
+        range_from_axis: false,
+    };
     let collisions = [Collision::Nearest, Collision::Farthest, Collision::First, Collision::Last];
     let config = GridConfig {
         level_bits: 9 + u32::from(bits % 8),

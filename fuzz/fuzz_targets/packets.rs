@@ -5,18 +5,11 @@
 //! place, so that the fuzzer gets past the frame of a packet.
 #![no_main]
 
-use flicr::packet::{
-    Event, MAX_COLUMNS, OusterFormat, OusterProfile, ReturnPolicy, Sensor, TurnAssembler,
-};
+use flicr::packet::{Event, MAX_COLUMNS, OusterFormat, OusterProfile, ReturnPolicy, Sensor, TurnAssembler};
 use libfuzzer_sys::fuzz_target;
 
 fn sensor(pick: u8) -> Sensor {
-    let profiles = [
-        OusterProfile::Legacy,
-        OusterProfile::Single,
-        OusterProfile::Dual,
-        OusterProfile::LowRate,
-    ];
+    let profiles = [OusterProfile::Legacy, OusterProfile::Single, OusterProfile::Dual, OusterProfile::LowRate];
     match profiles.get(usize::from(pick % 8)) {
         Some(&profile) => Sensor::Ouster(OusterFormat {
             check_crc: pick & 0x80 != 0,

@@ -19,6 +19,7 @@ pub(super) const FEWEST_POINTS: usize = 16;
 pub(super) struct BeamFit {
     pub(super) line: Line,
     pub(super) h_offset: f64,
+    pub(super) range_from_axis: bool,
     pub(super) azimuth_phase: f64,
     pub(super) range_phase: f64,
     pub(super) samples: Vec<Sample>,
@@ -26,12 +27,13 @@ pub(super) struct BeamFit {
 
 impl BeamFit {
     fn new(line: Line) -> Self {
-        Self { line, h_offset: 0.0, azimuth_phase: 0.0, range_phase: 0.0, samples: Vec::new() }
+        Self { line, h_offset: 0.0, range_from_axis: false, azimuth_phase: 0.0, range_phase: 0.0, samples: Vec::new() }
     }
 
-    /// Distance from the axis, measured in the plane that the beam fires in.
+    /// The distance that the beam's range gives, of a point so far from the axis.
     pub(super) fn reach(&self, rho: f64) -> f64 {
-        (rho * rho - self.h_offset * self.h_offset).max(0.0).sqrt()
+        let aside = if self.range_from_axis { 0.0 } else { self.h_offset };
+        (rho * rho - aside * aside).max(0.0).sqrt()
     }
 
     pub(super) fn across(&self, sample: &Sample) -> f64 {

@@ -11,8 +11,9 @@
 //! 3. *Offsets and phases*: along a beam the place within a tick turns with
 //!    1/distance at a rate that is the horizontal offset.
 //! 4. *Range unit and phases* (`unit`): two ranges of a beam lie whole counts apart.
-//! 5. *Rounding* (`rounding`): in files that are rounded, heights say more than their mean.
-//! 6. *Residuals*: every point is put on the grid that came out and has to fit.
+//! 5. *Where ranges begin* (`axis`): at the spin axis, or where the beam passes it.
+//! 6. *Rounding* (`rounding`): in files that are rounded, heights say more than their mean.
+//! 7. *Residuals*: every point is put on the grid that came out and has to fit.
 //!
 //! The order of the points does not matter. Scans that are not on a grid are refused
 //! with the statistic that says so ([`CalibrateError`]). Azimuth phases are given
@@ -25,6 +26,7 @@
     reason = "bins and counts: `as` saturates, which is wanted"
 )]
 
+mod axis;
 mod beams;
 mod cloud;
 mod error;
@@ -130,7 +132,15 @@ pub fn calibrate(
     let cloud = cloud_of(scans)?;
     let (mut beams, beam_share) = fit_beams(&cloud, progress)?;
     let (ticks_per_turn, tick_coherence) = fit_ticks(&mut beams, progress)?;
-    let (unit_m, count_coherence) = fit_unit(&mut beams, progress)?;
+    let (mut unit_m, count_coherence) = fit_unit(&mut beams, progress)?;
+    let range_from_axis = axis::ranges_begin_there(&beams, unit_m);
+    if range_from_axis {
+        for beam in &mut beams {
+            beam.range_from_axis = true;
+            beam.refit();
+        }
+        unit_m = unit::settle_unit(&mut beams, unit_m);
+    }
     if let Some(step_m) = rounding::step_of(&cloud) {
         for beam in &mut beams {
             rounding::sharpen(beam, unit_m, step_m);
@@ -141,6 +151,7 @@ pub fn calibrate(
         beams: beams.iter().map(rounded).collect(),
         ticks_per_turn,
         range_unit_m: unit_m as f32,
+        range_from_axis,
     };
     progress(Progress { stage: Stage::Residuals, fraction: 0.0 });
     let mut residuals = Residuals::of(&sensor, scans);

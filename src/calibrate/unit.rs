@@ -5,6 +5,7 @@ use std::vec::Vec;
 use core::f64::consts::TAU;
 
 use super::beams::BeamFit;
+use super::cloud::Sample;
 use super::fourier::{Circle, fundamental};
 use super::line::Sums;
 
@@ -130,8 +131,7 @@ fn refine_unit(beams: &[BeamFit], unit: f64) -> f64 {
     for beam in beams {
         let counts = beam.samples.iter().map(|s| {
             let range = beam.along(s) - beam.range_phase;
-            let count = (range / unit).round();
-            [count, range - count * unit]
+            [(range / unit).round(), rest(range, unit)]
         });
         let counts: Vec<[f64; 2]> = counts.collect();
         // About each beam's own mean: its phase is fitted elsewhere.
@@ -145,6 +145,11 @@ fn refine_unit(beams: &[BeamFit], unit: f64) -> f64 {
         }
     }
     unit + sums.fit().slope
+}
+
+/// How far a point lies behind the middle of its count.
+pub(super) fn off_count(beam: &BeamFit, unit_m: f64, sample: &Sample) -> f64 {
+    rest(beam.along(sample) - beam.range_phase, unit_m)
 }
 
 /// What is left of a length after whole units, -unit/2 to unit/2.

@@ -1,14 +1,17 @@
 //! What frames are to be like, and what became of the points.
 #![allow(unsafe_code, reason = "pointers from C; every block says what makes it sound")]
 
-use super::memory::{Outcome, choose, deliver};
+use super::context::{CDense, CSmall};
+use super::memory::{Outcome, StartsAsZeros, choose, deliver};
 use super::status::flicr_status;
 use crate::coder::{DeflateDefault, DeflateDense, DeflateSmall, Rle, Store};
 use crate::config::{Config, Scale};
 use crate::encoder::{Encoded, Stamp};
-use crate::frame;
+use crate::frame::worst_case_len_in_strips as worst_case_len;
 use crate::geometry::{Placement, UniformView, check_size};
+use crate::image::Level;
 use crate::insert::{Collision, OutOfView, Policy};
+use crate::quantize::Companding;
 use crate::tally::Tally;
 
 /// A `flicr_preset` as it comes from C.
@@ -19,6 +22,8 @@ pub type CoderCode = u32;
 pub type CollisionCode = u32;
 /// A `flicr_out_of_view` as it comes from C.
 pub type OutOfViewCode = u32;
+/// A `flicr_companding` as it comes from C.
+pub type CompandingCode = u32;
 /// A `flicr_placement` as it comes from C.
 pub type PlacementCode = u32;
 
@@ -48,6 +53,11 @@ pub enum flicr_coder {
     DeflateSmall = 3,
     /// DEFLATE with four times the memory, and a few percent fewer bytes.
     DeflateDense = 4,
+    /// The context coder made for range images, its small tier: two thirds of DEFLATE's bytes and fewer, lossless or in
+    /// steps.
+    Small = 5,
+    /// The same, its dense tier: the fewest bytes.
+    Dense = 6,
 }
 
 /// Which point a pixel keeps where several fall into it.
@@ -84,6 +94,17 @@ pub enum flicr_placement {
     Corner = 1,
 }
 
+/// How levels are spread over ranges.
+#[repr(u32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum flicr_companding {
+    /// Evenly.
+    None = 0,
+    /// By the square root, for up to 8 bits: finer near, coarser far, with less error on the whole. A step is the range of
+    /// level 1 then.
+    SquareRoot = 1,
+}
+
 /// What frames are to be like. Filled by flicr_config_init; then change what you like.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,6 +132,11 @@ pub struct flicr_config {
     pub out_of_view: OutOfViewCode,
     /// Where in its pixel a decoded point is put.
     pub placement: PlacementCode,
+    /// How levels are spread over ranges.
+    pub companding: CompandingCode,
+    /// Strips that a frame is cut into, 1 to `columns`: runs of columns that decode alone. 1 unless set; with more, see
+    /// FLICR_WORST_CASE_LEN_IN_STRIPS.
+    pub strips: u32,
 }
 
 /// What the receiver is told of a frame besides its points.
@@ -201,6 +227,8 @@ impl flicr_config {
             collision: config.policy.collision as u32,
             out_of_view: config.policy.out_of_view as u32,
             placement: config.placement as u32,
+            companding: config.companding as u32,
+            strips: config.strips.into(),
         }
     }
 
@@ -215,46 +243,52 @@ impl flicr_config {
         let placement = choose(&placements, self.placement, flicr_status::Placement)?;
         let scale = if max_range_m == 0.0 { Scale::PerFrame } else { Scale::Fixed { max_range_m } };
         let view = UniformView { top_rad, bottom_rad, start_rad, span_rad };
-        Ok(Config { view, placement, level_bits, scale, policy, ..Config::UNIFORM })
+        let strips = u16::try_from(self.strips).map_err(|_| flicr_status::Strips)?;
+        let companding = companding(self.companding)?;
+        Ok(Config { view, placement, level_bits, scale, companding, policy, strips, ..Config::UNIFORM })
     }
 }
 
 impl flicr_coder {
     pub(super) fn from_code(code: CoderCode) -> Option<Self> {
-        let all = [Self::Store, Self::Rle, Self::Deflate, Self::DeflateSmall, Self::DeflateDense];
+        let all =
+            [Self::Store, Self::Rle, Self::Deflate, Self::DeflateSmall, Self::DeflateDense, Self::Small, Self::Dense];
         all.get(code as usize).copied()
     }
 
     pub(super) const fn state_len(self) -> usize {
         match self {
-            Self::Store => size_of::<Store>(),
-            Self::Rle => size_of::<Rle>(),
-            Self::Deflate => size_of::<DeflateDefault>(),
-            Self::DeflateSmall => size_of::<DeflateSmall>(),
-            Self::DeflateDense => size_of::<DeflateDense>(),
+            Self::Store => Store::STATE_LEN,
+            Self::Rle => Rle::STATE_LEN,
+            Self::Deflate => DeflateDefault::STATE_LEN,
+            Self::DeflateSmall => DeflateSmall::STATE_LEN,
+            Self::DeflateDense => DeflateDense::STATE_LEN,
+            Self::Small => CSmall::STATE_LEN,
+            Self::Dense => CDense::STATE_LEN,
         }
     }
 
-    pub(super) const fn worst_case_len(self, pixels: usize) -> usize {
+    /// Of `rows` x `columns` levels `L` in so many strips.
+    pub(super) const fn worst_case_len<L: Level>(self, rows: usize, columns: usize, strips: u16) -> usize {
         match self {
-            Self::Store => frame::worst_case_len::<u8, Store>(pixels),
-            Self::Rle => frame::worst_case_len::<u8, Rle>(pixels),
-            Self::Deflate => frame::worst_case_len::<u8, DeflateDefault>(pixels),
-            Self::DeflateSmall => frame::worst_case_len::<u8, DeflateSmall>(pixels),
-            Self::DeflateDense => frame::worst_case_len::<u8, DeflateDense>(pixels),
+            Self::Store => worst_case_len::<L, Store>(rows, columns, strips),
+            Self::Rle => worst_case_len::<L, Rle>(rows, columns, strips),
+            Self::Deflate => worst_case_len::<L, DeflateDefault>(rows, columns, strips),
+            Self::DeflateSmall => worst_case_len::<L, DeflateSmall>(rows, columns, strips),
+            Self::DeflateDense => worst_case_len::<L, DeflateDense>(rows, columns, strips),
+            Self::Small => worst_case_len::<L, CSmall>(rows, columns, strips),
+            Self::Dense => worst_case_len::<L, CDense>(rows, columns, strips),
         }
     }
+}
 
-    /// Of levels of two bytes.
-    pub(super) const fn worst_case_len_16(self, pixels: usize) -> usize {
-        match self {
-            Self::Store => frame::worst_case_len::<u16, Store>(pixels),
-            Self::Rle => frame::worst_case_len::<u16, Rle>(pixels),
-            Self::Deflate => frame::worst_case_len::<u16, DeflateDefault>(pixels),
-            Self::DeflateSmall => frame::worst_case_len::<u16, DeflateSmall>(pixels),
-            Self::DeflateDense => frame::worst_case_len::<u16, DeflateDense>(pixels),
-        }
-    }
+pub(super) fn companding(code: CompandingCode) -> Outcome<Companding> {
+    choose(&[Companding::None, Companding::SquareRoot], code, flicr_status::Companding)
+}
+
+/// Strips as C gives them; `None` where there cannot be as many.
+pub(super) fn strips_of(columns: u32, strips: u32) -> Option<u16> {
+    u16::try_from(strips).ok().filter(|_| (1..=columns).contains(&strips))
 }
 
 pub(super) fn pixels(columns: u32, rows: u32) -> Outcome<usize> {
@@ -279,7 +313,7 @@ impl From<Encoded> for flicr_encoded {
 impl From<Tally> for flicr_tally {
     fn from(tally: Tally) -> Self {
         let kept = tally.kept();
-        let Tally { points, no_return, not_finite, too_near, beyond_range, out_of_view, collided, clamped } = tally;
+        let Tally { points, no_return, not_finite, too_near, beyond_range, out_of_view, collided, clamped, .. } = tally;
         Self { points, kept, no_return, not_finite, too_near, beyond_range, out_of_view, collided, clamped }
     }
 }

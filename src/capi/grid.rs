@@ -3,9 +3,11 @@
 
 use core::ffi::c_void;
 
-use super::config::{CoderCode, flicr_coder, flicr_encoded, flicr_stamp, pixels};
+use super::config::{CoderCode, flicr_coder, flicr_encoded, flicr_stamp, pixels, strips_of};
+use super::context::{CDense, CSmall, SetsContext, flicr_context};
 use super::encoder::FLICR_ENCODER_ALIGN;
 use super::memory::{Outcome, Output, Records, Span, StartsAsZeros, check_apart, check_place, code, deliver, read};
+use super::planes::{LentPlanes, flicr_planes, numbers_of};
 use super::sensor::{FLICR_BEAMS_MAX, flicr_grid_config};
 use super::status::flicr_status;
 use crate::coder::{Coder, DeflateDefault, DeflateDense, DeflateSmall, Rle, Store};
@@ -104,7 +106,20 @@ pub extern "C" fn flicr_grid_encoder_size(columns: u32, beams: u32, level_bits: 
 /// What FLICR_GRID_WORST_CASE_LEN gives: output bytes that are enough for every frame. 0 where there can be none.
 #[unsafe(no_mangle)]
 pub extern "C" fn flicr_grid_worst_case_len(columns: u32, beams: u32, level_bits: u32, coder: CoderCode) -> usize {
-    worst_case_len(columns, beams, level_bits, coder).unwrap_or(0)
+    worst_case_len(columns, beams, level_bits, coder, 1).unwrap_or(0)
+}
+
+/// What FLICR_GRID_WORST_CASE_LEN_IN_STRIPS gives: output bytes that are enough for every frame of so many strips. 0 where
+/// there can be none.
+#[unsafe(no_mangle)]
+pub extern "C" fn flicr_grid_worst_case_len_in_strips(
+    columns: u32,
+    beams: u32,
+    level_bits: u32,
+    coder: CoderCode,
+    strips: u32,
+) -> usize {
+    worst_case_len(columns, beams, level_bits, coder, strips).unwrap_or(0)
 }
 
 /// Makes an encoder that stores levels as they are, in memory of at least FLICR_GRID_ENCODER_SIZE(config->columns,
@@ -170,6 +185,34 @@ pub unsafe extern "C" fn flicr_grid_encoder_init_deflate_dense(
     unsafe { deliver(out_encoder, |result| place::<DeflateDense>(state, state_len, &read(config)?, result)) }
 }
 
+/// As flicr_grid_encoder_init_store, for FLICR_CODER_SMALL with these settings.
+///
+/// FLICR_STATUS_CONTEXT.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_grid_encoder_init_small(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_grid_config,
+    context: *const flicr_context,
+    out_encoder: *mut *mut flicr_grid_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the pointers.
+    unsafe { deliver(out_encoder, |result| place_context::<CSmall>(state, state_len, config, context, result)) }
+}
+
+/// As flicr_grid_encoder_init_small, for FLICR_CODER_DENSE.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_grid_encoder_init_dense(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_grid_config,
+    context: *const flicr_context,
+    out_encoder: *mut *mut flicr_grid_encoder,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the pointers.
+    unsafe { deliver(out_encoder, |result| place_context::<CDense>(state, state_len, config, context, result)) }
+}
+
 /// Puts returns into the frame that is open: `count` records, `stride_bytes` apart, each starting with a flicr_return,
 /// at any alignment. Of the last record only these 12 bytes are read. Returns on a row or tick that the grid does not
 /// have are counted as out of view.
@@ -200,6 +243,41 @@ pub unsafe extern "C" fn flicr_finish_returns(
 ) -> flicr_status {
     // SAFETY: the caller's promises about the three pointers.
     unsafe { deliver(out_encoded, |result| finish(encoder, stamp, Output::new(out, out_len)?, result)) }
+}
+
+/// As flicr_insert_returns, with an intensity for each return: `numbers` are `count` of them, and that of a return that a
+/// pixel keeps goes into planes->intensities.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_insert_lit_returns(
+    encoder: *mut flicr_grid_encoder,
+    returns: *const c_void,
+    count: usize,
+    stride_bytes: usize,
+    numbers: *const u8,
+    planes: *const flicr_planes,
+) -> flicr_status {
+    let scan = Records::new(returns, count, stride_bytes);
+    // SAFETY: the caller's promises about the pointers.
+    code(scan.and_then(|scan| unsafe { insert_lit(encoder, scan, numbers_of(&scan, numbers)?, read(planes)?) }))
+}
+
+/// As flicr_finish_returns, with planes besides the ranges.
+///
+/// FLICR_STATUS_PLANE; FLICR_STATUS_OUTPUT_TOO_SMALL, never with FLICR_PLANES_WORST_CASE_LEN bytes more than the frame
+/// takes without.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn flicr_finish_returns_with(
+    encoder: *mut flicr_grid_encoder,
+    stamp: flicr_stamp,
+    planes: *const flicr_planes,
+    out: *mut c_void,
+    out_len: usize,
+    out_encoded: *mut flicr_encoded,
+) -> flicr_status {
+    // SAFETY: the caller's promises about the pointers.
+    let work = |result| unsafe { finish_planes(encoder, stamp, read(planes)?, Output::new(out, out_len)?, result) };
+    // SAFETY: the caller's promises about the pointers.
+    unsafe { deliver(out_encoded, work) }
 }
 
 /// Takes one UDP payload of the sensor. Where it ends a turn, FLICR_STATUS_OK: the turn's frame is at the front of
@@ -282,12 +360,12 @@ fn level_len(level_bits: u32) -> Outcome<usize> {
     }
 }
 
-fn worst_case_len(columns: u32, beams: u32, level_bits: u32, coder: CoderCode) -> Option<usize> {
-    let pixels = pixels(columns, beams).ok().filter(|_| beams as usize <= FLICR_BEAMS_MAX)?;
-    let coder = flicr_coder::from_code(coder)?;
+fn worst_case_len(columns: u32, beams: u32, level_bits: u32, coder: CoderCode, strips: u32) -> Option<usize> {
+    pixels(columns, beams).ok().filter(|_| beams as usize <= FLICR_BEAMS_MAX)?;
+    let (coder, strips) = (flicr_coder::from_code(coder)?, strips_of(columns, strips)?);
     let len = match level_len(level_bits).ok()? {
-        1 => coder.worst_case_len(pixels),
-        _ => coder.worst_case_len_16(pixels),
+        1 => coder.worst_case_len::<u8>(beams as usize, columns as usize, strips),
+        _ => coder.worst_case_len::<u16>(beams as usize, columns as usize, strips),
     };
     let more = FLICR_GRID_FRAME_OVERHEAD_LEN - crate::frame::OVERHEAD_LEN;
     Some(len + more + beams as usize * FLICR_BEAM_LEN)
@@ -304,11 +382,13 @@ struct Calls {
     insert: unsafe fn(&mut flicr_grid_encoder, *mut c_void, Records),
     finish: Finish,
     push: Push,
+    is_wide: bool,
 }
 
 impl Calls {
     const fn of<L: Level, C: Coder<L>>() -> Self {
-        Self { insert: insert_with::<L>, finish: finish_with::<L, C>, push: push_with::<L, C> }
+        let is_wide = size_of::<L>() > 1;
+        Self { insert: insert_with::<L>, finish: finish_with::<L, C>, push: push_with::<L, C>, is_wide }
     }
 }
 
@@ -351,12 +431,27 @@ unsafe fn finish_with<L: Level, C: Coder<L>>(
     out: &mut [u8],
 ) -> Outcome<flicr_encoded> {
     // SAFETY: the caller's promise.
-    let (mut image, coder) = unsafe { (image::<L>(levels, head.layout, head.columns)?, &mut *coder.cast::<C>()) };
+    let (image, coder) = unsafe { (image::<L>(levels, head.layout, head.columns)?, &mut *coder.cast::<C>()) };
     let frame = head.turns.frame_mut();
     *frame.stamp_mut() = stamp;
-    let encoded = frame.finish(image.as_view(), coder, out)?;
-    frame.restart(&mut image);
-    Ok(encoded.into())
+    Ok(frame.finish(image.as_view(), coder, out)?.into())
+}
+
+/// Begins the next frame.
+///
+/// # Safety
+/// As [`image`].
+unsafe fn restart(head: &mut flicr_grid_encoder, levels: *mut c_void) -> Outcome<()> {
+    let (layout, columns) = (head.layout, head.columns);
+    // SAFETY: the caller's promise; the levels are as wide as the calls' type.
+    unsafe {
+        if head.calls.is_wide {
+            head.turns.frame_mut().restart(&mut image::<u16>(levels, layout, columns)?);
+        } else {
+            head.turns.frame_mut().restart(&mut image::<u8>(levels, layout, columns)?);
+        }
+    }
+    Ok(())
 }
 
 /// # Safety
@@ -393,8 +488,9 @@ unsafe fn place<C: StartsAsZeros>(
     settings: &flicr_grid_config,
     result: Span,
 ) -> Outcome<*mut flicr_grid_encoder> {
-    const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN && size_of::<C>().is_multiple_of(align_of::<Beam>())) };
-    let layout = Layout::new(size_of::<C>(), settings.columns, settings.beam_count, settings.level_bits)?;
+    const { assert!(align_of::<C>() <= FLICR_ENCODER_ALIGN && C::STATE_LEN.is_multiple_of(align_of::<Beam>())) };
+    const { assert!(size_of::<C>() <= C::STATE_LEN && <C as Coder<u8>>::ROWS_MAX >= FLICR_BEAMS_MAX) };
+    let layout = Layout::new(C::STATE_LEN, settings.columns, settings.beam_count, settings.level_bits)?;
     let assembler = settings.assembler()?;
     let encoder = state.cast::<flicr_grid_encoder>();
     check_place(encoder)?;
@@ -432,11 +528,30 @@ unsafe fn place<C: StartsAsZeros>(
             (TurnFrames::new(&config, assembler, &mut [image])?, Calls::of::<u16, C>())
         }
     };
-    let has_packets = settings.has_packets();
+    let (has_packets, turns) = (settings.has_packets(), turns.with_first_layer(settings.layer()));
     let head = flicr_grid_encoder { magic: MAGIC, has_packets, calls, layout, columns, turns };
     // SAFETY: the head's place, aligned.
     unsafe { encoder.write(head) };
     Ok(encoder)
+}
+
+/// # Safety
+/// As [`place`]; `config` and `context` are null or may be read.
+unsafe fn place_context<C: StartsAsZeros + SetsContext>(
+    state: *mut c_void,
+    state_len: usize,
+    config: *const flicr_grid_config,
+    context: *const flicr_context,
+    result: Span,
+) -> Outcome<*mut flicr_grid_encoder> {
+    // SAFETY: the caller's promise; the coder's state lies behind the head, and is nobody else's yet.
+    unsafe {
+        let settings = read(context)?.to_settings()?;
+        let encoder = place::<C>(state, state_len, &read(config)?, result)?;
+        let coder = encoder.cast::<c_void>().wrapping_byte_add(FLICR_GRID_ENCODER_OVERHEAD);
+        (*coder.cast::<C>()).set_context(settings);
+        Ok(encoder)
+    }
 }
 
 /// Finds now what would be found with the first frame.
@@ -501,8 +616,82 @@ unsafe fn finish(
     // SAFETY: the caller's promises; `parts` has found all that is borrowed here to be apart.
     unsafe {
         let Parts { head, lent } = parts(encoder, [out.span, result])?;
-        (head.calls.finish)(head, lent, stamp.into(), out.bytes())
+        let finished = (head.calls.finish)(head, lent, stamp.into(), out.bytes())?;
+        restart(head, lent.levels)?;
+        Ok(finished)
     }
+}
+
+/// # Safety
+/// As the header demands of `flicr_insert_lit_returns`.
+unsafe fn insert_lit(
+    encoder: *mut flicr_grid_encoder,
+    scan: Records,
+    numbers: Span,
+    planes: flicr_planes,
+) -> Outcome<()> {
+    // SAFETY: the caller's promises; the second `parts` has found all that is borrowed here to be apart.
+    unsafe {
+        let (layout, columns) = shape(encoder)?;
+        let planes = LentPlanes::new(planes, layout.pixels, columns)?;
+        let [plane, state, times] = planes.spans();
+        let Parts { head, lent } = parts(encoder, [scan.span, numbers, plane, state, times])?;
+        let before = head.turns.frame_mut().tally().points;
+        before.checked_add(scan.count).ok_or(flicr_status::TooManyPoints)?;
+        let (returns, plane) = (scan.returns().zip(numbers.bytes().iter().copied()), planes.numbers()?);
+        let keep = |pixel: usize, number: u8| {
+            if let Some(kept) = plane.get_mut(pixel) {
+                *kept = number;
+            }
+        };
+        let is_wide = head.calls.is_wide;
+        let frame = head.turns.frame_mut();
+        if is_wide {
+            frame.insert_returns_with(returns, &mut image::<u16>(lent.levels, layout, columns)?, keep);
+        } else {
+            frame.insert_returns_with(returns, &mut image::<u8>(lent.levels, layout, columns)?, keep);
+        }
+    }
+    Ok(())
+}
+
+/// # Safety
+/// As the header demands of `flicr_finish_returns_with`.
+unsafe fn finish_planes(
+    encoder: *mut flicr_grid_encoder,
+    stamp: flicr_stamp,
+    planes: flicr_planes,
+    out: Output,
+    result: Span,
+) -> Outcome<flicr_encoded> {
+    // SAFETY: the caller's promises; the second `parts` has found all that is borrowed here to be apart.
+    unsafe {
+        let (layout, columns) = shape(encoder)?;
+        let planes = LentPlanes::new(planes, layout.pixels, columns)?;
+        let [plane, state, times] = planes.spans();
+        let Parts { head, lent } = parts(encoder, [out.span, result, plane, state, times])?;
+        let out = out.bytes();
+        let mut finished = (head.calls.finish)(head, lent, stamp.into(), out)?;
+        finished.len = if head.calls.is_wide {
+            let image = image::<u16>(lent.levels, layout, columns)?;
+            planes.append(image.as_view(), stamp.timestamp_ns, finished.len, out)?
+        } else {
+            let image = image::<u8>(lent.levels, layout, columns)?;
+            planes.append(image.as_view(), stamp.timestamp_ns, finished.len, out)?
+        };
+        restart(head, lent.levels)?;
+        Ok(finished)
+    }
+}
+
+/// Where an encoder's parts are, and its columns.
+///
+/// # Safety
+/// As [`parts`].
+unsafe fn shape(encoder: *mut flicr_grid_encoder) -> Outcome<(Layout, usize)> {
+    // SAFETY: the caller's promise.
+    let Parts { head, .. } = unsafe { parts(encoder, [])? };
+    Ok((head.layout, head.columns))
 }
 
 /// # Safety

@@ -3,6 +3,7 @@
 
 use core::ffi::c_void;
 
+use super::context::{CDense, CSmall, FLICR_DENSE_STATE_LEN, FLICR_SMALL_STATE_LEN};
 use super::status::flicr_status;
 use crate::coder::{Coder, DeflateDefault, DeflateDense, DeflateSmall, Rle, Store};
 use crate::point::{Block, Points, StridedPoints, XYZ_LEN, read_xyz};
@@ -56,7 +57,10 @@ pub(super) fn choose<T: Copy>(choices: &[T], number: u32, otherwise: flicr_statu
 ///
 /// # Safety
 /// Zeros must be a value of the type, and code as a new one does.
-pub(super) unsafe trait StartsAsZeros: Coder<u8> + Coder<u16> {}
+pub(super) unsafe trait StartsAsZeros: Coder<u8> + Coder<u16> + Sized {
+    /// Bytes that are kept for it; the header says them.
+    const STATE_LEN: usize = size_of::<Self>();
+}
 
 // SAFETY: there is no state.
 unsafe impl StartsAsZeros for Store {}
@@ -68,6 +72,14 @@ unsafe impl StartsAsZeros for DeflateDefault {}
 unsafe impl StartsAsZeros for DeflateSmall {}
 // SAFETY: as above.
 unsafe impl StartsAsZeros for DeflateDense {}
+// SAFETY: numbers, and a predictor whose number may be 0; before an image all but the settings are set up anew.
+unsafe impl StartsAsZeros for CSmall {
+    const STATE_LEN: usize = FLICR_SMALL_STATE_LEN;
+}
+// SAFETY: as above.
+unsafe impl StartsAsZeros for CDense {
+    const STATE_LEN: usize = FLICR_DENSE_STATE_LEN;
+}
 
 // SAFETY: a constant that is no value of its type does not compile.
 const _: DeflateDefault = unsafe { core::mem::zeroed() };
@@ -75,6 +87,10 @@ const _: DeflateDefault = unsafe { core::mem::zeroed() };
 const _: DeflateSmall = unsafe { core::mem::zeroed() };
 // SAFETY: as above.
 const _: DeflateDense = unsafe { core::mem::zeroed() };
+// SAFETY: as above.
+const _: CSmall = unsafe { core::mem::zeroed() };
+// SAFETY: as above.
+const _: CDense = unsafe { core::mem::zeroed() };
 
 /// Memory that C lends for one call.
 #[derive(Debug, Clone, Copy)]

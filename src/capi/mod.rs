@@ -4,8 +4,8 @@
 //! The conventions, which the header's first comment tells C: a status is returned; results go to the last argument,
 //! and only on success; the caller owns all memory and can size it at compile time.
 //!
-//! `status`, `config` and `sensor` hold what C sees of values, `encoder` (points) and `grid` (returns and packets) the
-//! functions; `memory` is all that the functions do with pointers.
+//! `status`, `config`, `context` and `sensor` hold what C sees of values, `encoder` (points), `grid` (returns and packets) and
+//! `stream` the functions; `memory` is all that the functions do with pointers.
 #![allow(non_camel_case_types, reason = "as in C")]
 #![allow(
     clippy::missing_safety_doc,
@@ -13,17 +13,26 @@
 )]
 
 mod config;
+mod context;
 mod encoder;
 mod grid;
 mod memory;
+mod planes;
 mod sensor;
 mod status;
+mod stream;
 
 pub use config::*;
+pub use context::{
+    FLICR_CONTEXT_BLOCK_COST, FLICR_CONTEXT_BLOCK_LEN, FLICR_CONTEXT_ROWS_MAX, FLICR_DENSE_STATE_LEN,
+    FLICR_SMALL_STATE_LEN, PredictorCode, flicr_context, flicr_context_init, flicr_predictor,
+};
 pub use encoder::*;
 pub use grid::*;
+pub use planes::*;
 pub use sensor::*;
 pub use status::*;
+pub use stream::*;
 
 /// Major version: changes where programs that use this header must be changed.
 pub const FLICR_VERSION_MAJOR: u32 = 0;

@@ -3,7 +3,7 @@
 
 use core::mem::offset_of;
 
-use super::config::CollisionCode;
+use super::config::{CollisionCode, CompandingCode, companding, flicr_companding};
 use super::memory::{Outcome, choose, deliver};
 use super::status::flicr_status;
 use crate::config::{GridConfig, Scale};
@@ -17,7 +17,7 @@ pub type SensorCode = u32;
 /// A `flicr_return_policy` as it comes from C.
 pub type ReturnPolicyCode = u32;
 
-/// Sensors whose grids, and but for the first two whose packets, are known.
+/// Sensors whose grids are known, and but for the first two and the last their packets.
 #[repr(u32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum flicr_sensor {
@@ -41,6 +41,8 @@ pub enum flicr_sensor {
     Pandar64 = 8,
     /// Hesai PandarXT-32.
     PandarXt32 = 9,
+    /// As FLICR_SENSOR_HDL64E, where each laser's own angle is in its beam and all of a firing share its tick: for streams.
+    Hdl64eFirings = 10,
 }
 
 /// Which of two returns in a packet is meant.
@@ -51,6 +53,9 @@ pub enum flicr_return_policy {
     Strongest = 0,
     /// The farther.
     Last = 1,
+    /// The one that FLICR_RETURN_POLICY_STRONGEST leaves; none where the sensor repeats the only one it has. For both, push
+    /// each packet into an encoder of either.
+    Other = 2,
 }
 
 /// One laser of a spinning sensor. docs/FORMAT.md says where its returns lie.
@@ -90,6 +95,9 @@ pub struct flicr_grid_config {
     pub zero_rad: f32,
     /// One range count, meters.
     pub range_unit_m: f32,
+    /// 1 where the distance that a range gives along the ground counts from the spin axis, 0 where from the place where
+    /// the beam passes it.
+    pub range_from_axis: u32,
     /// Columns, spread evenly over the turn from tick 0 on.
     pub columns: u32,
     /// Bits of a level: 1 to 8 take a byte a pixel, 9 to 16 take two.
@@ -102,6 +110,11 @@ pub struct flicr_grid_config {
     pub returns: ReturnPolicyCode,
     /// 1 where each frame carries the beams (20 bytes each), for receivers that do not know them; 0 where not.
     pub table: u32,
+    /// How levels are spread over ranges.
+    pub companding: CompandingCode,
+    /// Strips that a frame is cut into, 1 to `columns`: runs of columns that decode alone. 1 unless set; with more, see
+    /// FLICR_GRID_WORST_CASE_LEN_IN_STRIPS.
+    pub strips: u32,
 }
 
 /// Most beams of a sensor.
@@ -149,18 +162,21 @@ fn grid_config(sensor: SensorCode, columns: u32) -> Outcome<flicr_grid_config> {
         clockwise: grid.clockwise.into(),
         zero_rad: grid.zero_rad,
         range_unit_m: grid.range_unit_m,
+        range_from_axis: grid.range_from_axis.into(),
         columns,
         level_bits: 16,
         step_m: grid.range_unit_m,
         collision: Collision::Nearest as u32,
         returns: flicr_return_policy::Strongest as u32,
         table: 1,
+        companding: flicr_companding::None as u32,
+        strips: 1,
     })
 }
 
 impl flicr_sensor {
     fn from_code(code: SensorCode) -> Outcome<Self> {
-        const ALL: [flicr_sensor; 10] = [
+        const ALL: [flicr_sensor; 11] = [
             flicr_sensor::Custom,
             flicr_sensor::Hdl64e,
             flicr_sensor::Vlp16,
@@ -171,6 +187,7 @@ impl flicr_sensor {
             flicr_sensor::Pandar40p,
             flicr_sensor::Pandar64,
             flicr_sensor::PandarXt32,
+            flicr_sensor::Hdl64eFirings,
         ];
         choose(&ALL, code, flicr_status::Sensor)
     }
@@ -178,7 +195,7 @@ impl flicr_sensor {
     /// The packets' model, and its beams when it does not turn.
     fn model(self) -> Option<(Model, &'static SensorGeometry)> {
         match self {
-            Self::Custom | Self::Hdl64e => None,
+            Self::Custom | Self::Hdl64e | Self::Hdl64eFirings => None,
             Self::Vlp16 => Some((Model::Vlp16, &velodyne::VLP16)),
             Self::PuckHiRes => Some((Model::PuckHiRes, &velodyne::PUCK_HI_RES)),
             Self::Vlp32c => Some((Model::Vlp32c, &velodyne::VLP32C)),
@@ -193,6 +210,7 @@ impl flicr_sensor {
     fn grid(self) -> Option<SensorGrid<'static>> {
         match self {
             Self::Hdl64e => Some(hdl64e::GRID),
+            Self::Hdl64eFirings => Some(hdl64e::FIRING_GRID),
             _ => self.model().map(|(_, geometry)| geometry.grid()),
         }
     }
@@ -229,23 +247,30 @@ impl flicr_grid_config {
     pub(super) fn to_config(self, beams: &[Beam]) -> Outcome<GridConfig<'_>> {
         let Self { ticks, zero_rad, range_unit_m, level_bits, step_m, .. } = self;
         let collisions = [Collision::Nearest, Collision::Farthest, Collision::First, Collision::Last];
-        let clockwise = self.clockwise != 0;
+        let (clockwise, range_from_axis) = (self.clockwise != 0, self.range_from_axis != 0);
         Ok(GridConfig {
-            grid: SensorGrid { name: "", beams, ticks, clockwise, zero_rad, range_unit_m },
+            grid: SensorGrid { name: "", beams, ticks, clockwise, zero_rad, range_unit_m, range_from_axis },
             columns: u16::try_from(self.columns).map_err(|_| flicr_status::Size)?,
             level_bits,
             scale: Scale::Step { step_m },
             collision: choose(&collisions, self.collision, flicr_status::Collision)?,
             table: self.table != 0,
+            companding: companding(self.companding)?,
+            strips: u16::try_from(self.strips).map_err(|_| flicr_status::Strips)?,
         })
     }
 
     /// What takes the packets; of sensors that send none, none will be right.
     pub(super) fn assembler(&self) -> Outcome<TurnAssembler> {
-        let policies = [ReturnPolicy::Strongest, ReturnPolicy::Last];
+        let policies = [ReturnPolicy::Strongest, ReturnPolicy::Last, ReturnPolicy::Both];
         let policy = choose(&policies, self.returns, flicr_status::ReturnPolicy)?;
         let model = flicr_sensor::from_code(self.sensor)?.model().map(|(model, _)| model);
         Ok(TurnAssembler::new(model.map_or(Sensor::Auto, Sensor::Spinning), policy))
+    }
+
+    /// Which of the columns that [`assembler`](Self::assembler) gives of a firing are meant.
+    pub(super) const fn layer(&self) -> u8 {
+        (self.returns == flicr_return_policy::Other as u32) as u8
     }
 
     /// Whether packets can come.

@@ -23,7 +23,7 @@ pub enum flicr_status {
     Overlap = 5,
     /// A preset that is not in flicr_preset.
     Preset = 6,
-    /// Rows and columns must be 1 to 65535 each, with at most 2^30 pixels.
+    /// Rows and columns must be 1 to 65535 each, with at most 2^30 pixels; a coder may take fewer rows.
     Size = 7,
     /// Level bits must be 1 to 8, on a grid 1 to 16.
     LevelBits = 8,
@@ -64,6 +64,18 @@ pub enum flicr_status {
     TurnOpen = 25,
     /// The packet is not one of the sensor's, is damaged, late or doubled. Nothing of it is used.
     PacketRefused = 26,
+    /// A step must be 1 to 65535 levels, the noise 0 to 255, the predictor in flicr_predictor.
+    Context = 27,
+    /// A frame is cut into 1 strip to as many as it has columns.
+    Strips = 28,
+    /// Aligned columns take more room than there is, or a turn's columns are not 1 to 8192.
+    Delay = 29,
+    /// A companding that is not in flicr_companding.
+    Companding = 30,
+    /// In a stream a level must be 1 to 255 whole range units.
+    Step = 31,
+    /// An intensity's numbers for 1 must be positive and finite, its step 1 to 255, a time's unit not 0.
+    Plane = 32,
 }
 
 /// A `flicr_status` as it comes from C: any number. The header calls it `flicr_status`, as with those below.
@@ -81,11 +93,14 @@ impl From<ConfigError> for flicr_status {
             ConfigError::Size { .. }
             | ConfigError::ImageSize { .. }
             | ConfigError::CoderRows { .. }
+            | ConfigError::Plane { .. }
             | ConfigError::Beams { .. } => Self::Size,
             ConfigError::Beam { .. } => Self::Beam,
             ConfigError::Ticks { .. } | ConfigError::Firings { .. } => Self::Ticks,
             ConfigError::RangeUnit { .. } => Self::RangeUnit,
+            ConfigError::Delay { .. } => Self::Delay,
             ConfigError::LevelBits { .. } => Self::LevelBits,
+            ConfigError::Strips { .. } => Self::Strips,
             ConfigError::MaxRange { .. } => Self::MaxRange,
             ConfigError::ElevationView { .. } => Self::ElevationView,
             ConfigError::AzimuthView { .. } => Self::AzimuthView,
@@ -105,7 +120,7 @@ impl From<EncodeError> for flicr_status {
 
 impl flicr_status {
     /// All of them, each at its number.
-    const ALL: [(Self, &CStr); 27] = [
+    const ALL: [(Self, &CStr); 33] = [
         (Self::Ok, c"all is well"),
         (Self::NullPointer, c"a pointer is null"),
         (Self::Misaligned, c"a pointer is not aligned for what it points to"),
@@ -113,7 +128,7 @@ impl flicr_status {
         (Self::NotInitialized, c"the memory holds no encoder: the functions flicr_encoder_init_... make one"),
         (Self::Overlap, c"points, output, encoder and the place of the result share memory"),
         (Self::Preset, c"no such preset"),
-        (Self::Size, c"rows and columns must be 1 to 65535 each, with at most 2^30 pixels"),
+        (Self::Size, c"rows and columns must be 1 to 65535 each, with at most 2^30 pixels; some coders take 128 rows"),
         (Self::LevelBits, c"level bits must be 1 to 8, on a grid 1 to 16"),
         (
             Self::MaxRange,
@@ -136,6 +151,12 @@ impl flicr_status {
         (Self::RangeUnit, c"a range unit must be more than 0 and at most a meter"),
         (Self::TurnOpen, c"the packet has been taken, and the turn goes on"),
         (Self::PacketRefused, c"the packet is not one of the sensor's, is damaged, late or doubled"),
+        (Self::Context, c"a step must be 1 to 65535 levels, the noise 0 to 255, the predictor one that there is"),
+        (Self::Strips, c"a frame is cut into 1 strip to as many as it has columns"),
+        (Self::Delay, c"aligned columns take more room than there is, or a turn has not 1 to 8192 columns"),
+        (Self::Companding, c"no such companding"),
+        (Self::Step, c"in a stream a level must be 1 to 255 whole range units"),
+        (Self::Plane, c"an intensity's step must be 1 to 255 and its numbers for 1 positive; a unit of time is not 0"),
     ];
 
     fn text(code: StatusCode) -> &'static CStr {

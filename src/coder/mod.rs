@@ -11,7 +11,7 @@ pub(crate) mod store;
 #[cfg(feature = "std")]
 #[doc(hidden)]
 pub use context::fast::lab as fast_lab;
-pub use context::{ContextCoder, ContextSettings, Dense, Fast, Predictor, Small, Step};
+pub use context::{ContextCoder, ContextSettings, Dense, DenseModel, Fast, Predictor, Small, SmallModel, Step};
 pub use deflate::{Deflate, DeflateDefault, DeflateDense, DeflateSmall};
 pub use rle::Rle;
 pub use store::Store;
@@ -69,6 +69,9 @@ pub struct WorstCase {
     pub block_len: usize,
     /// Bytes that a block costs; there is one block at least.
     pub bytes_per_block: usize,
+    /// Whether the coder needs a strip's levels in one piece. Where an image is cut into several they are not, and copied
+    /// to the end of the output, which must have room for them.
+    pub gathers: bool,
 }
 
 impl WorstCase {
@@ -102,6 +105,17 @@ pub trait Coder<L: Level> {
     /// # Errors
     /// [`OutputFull`] where it does not fit; never with [`WORST_CASE`](Self::WORST_CASE)`.len(pixels)` bytes.
     fn encode(&mut self, image: ImageView<'_, L>, out: &mut [u8]) -> Result<usize, OutputFull>;
+
+    /// As [`encode`](Self::encode), by what the frame before had at the same place where the coder can, and that is less.
+    #[doc(hidden)]
+    fn encode_after(
+        &mut self,
+        image: ImageView<'_, L>,
+        _: &mut context::Recall<'_>,
+        out: &mut [u8],
+    ) -> Result<usize, OutputFull> {
+        self.encode(image, out)
+    }
 }
 
 /// A slice that is filled from the front.

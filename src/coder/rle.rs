@@ -33,12 +33,16 @@ impl<L: Level> Coder<L> for Rle {
     const ID: CoderId = CoderId::Rle;
 
     /// Levels that never repeat, each 128 behind a control byte: a run is written only where it is no longer.
-    const WORST_CASE: WorstCase =
-        WorstCase { bytes_per_level: size_of::<L>(), block_len: LITERALS_MAX * size_of::<L>(), bytes_per_block: 1 };
+    const WORST_CASE: WorstCase = WorstCase {
+        bytes_per_level: size_of::<L>(),
+        block_len: LITERALS_MAX * size_of::<L>(),
+        bytes_per_block: 1,
+        gathers: true,
+    };
 
     fn encode(&mut self, image: ImageView<'_, L>, out: &mut [u8]) -> Result<usize, OutputFull> {
+        let (mut rest, out) = image.gathered(out).ok_or(OutputFull)?;
         let mut sink = Sink::new(out);
-        let mut rest = image.levels();
         while !rest.is_empty() {
             let (literals, from_run) = split(rest, literals_len(rest));
             put_literals(literals, &mut sink)?;

@@ -19,13 +19,17 @@ impl<L: Level> Coder<L> for Store {
     const ID: CoderId = CoderId::Store;
 
     const WORST_CASE: WorstCase =
-        WorstCase { bytes_per_level: size_of::<L>(), block_len: usize::MAX, bytes_per_block: 0 };
+        WorstCase { bytes_per_level: size_of::<L>(), block_len: usize::MAX, bytes_per_block: 0, gathers: false };
 
     fn encode(&mut self, image: ImageView<'_, L>, out: &mut [u8]) -> Result<usize, OutputFull> {
         let mut sink = Sink::new(out);
-        sink.put_all(image.bytes())?;
+        put(image, &mut sink)?;
         Ok(sink.len())
     }
+}
+
+pub(crate) fn put<L: Level>(image: ImageView<'_, L>, sink: &mut Sink<'_>) -> Result<(), OutputFull> {
+    image.row_levels().try_for_each(|row| sink.put_all(bytemuck::cast_slice(row)))
 }
 
 #[cfg(feature = "std")]

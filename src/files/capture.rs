@@ -6,11 +6,12 @@
 use std::boxed::Box;
 use std::format;
 use std::fs::File;
+use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::vec::Vec;
 
 use etherparse::defrag::IpDefragPool;
-use etherparse::{EtherType, IpNumber, SlicedPacket, TransportSlice, UdpSlice};
+use etherparse::{EtherType, IpNumber, NetSlice, SlicedPacket, TransportSlice, UdpSlice};
 use pcap_parser::{Linktype, PcapBlockOwned, PcapError, create_reader, traits::PcapReaderIterator};
 
 use super::{Fault, FileError, ParseError};
@@ -23,6 +24,8 @@ const PATIENCE: u64 = 256;
 /// One UDP datagram.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Datagram {
+    /// The address that it came from.
+    pub source: IpAddr,
     /// The port that it was sent to.
     pub port: u16,
     /// What it holds.
@@ -49,6 +52,7 @@ pub struct Capture {
     pieces: IpDefragPool<u64>,
     frames: u64,
     others: u64,
+    damaged: u64,
     offset: usize,
     is_over: bool,
 }
@@ -78,7 +82,17 @@ impl Capture {
             FileError::parse(path, error)
         })?;
         let (links, pieces) = (Vec::new(), IpDefragPool::new());
-        Ok(Self { path: path.into(), reader, links, pieces, frames: 0, others: 0, offset: 0, is_over: false })
+        Ok(Self {
+            path: path.into(),
+            reader,
+            links,
+            pieces,
+            frames: 0,
+            others: 0,
+            damaged: 0,
+            offset: 0,
+            is_over: false,
+        })
     }
 
     /// Frames so far that held no datagram, nor a piece of one.
@@ -87,11 +101,17 @@ impl Capture {
         self.others
     }
 
+    /// Those of them that are cut short (as by a capture's snap length), or whose headers are damaged.
+    #[must_use]
+    pub const fn damaged(&self) -> u64 {
+        self.damaged
+    }
+
     fn next_block(&mut self) -> Result<Block, ParseError> {
-        let Self { reader, links, pieces, frames, others, .. } = self;
+        let Self { reader, links, pieces, frames, .. } = self;
         let (used, found) = loop {
             match reader.next() {
-                Ok((used, block)) => break (used, datagram_of(&block, links, pieces, frames, others)),
+                Ok((used, block)) => break (used, datagram_of(&block, links, pieces, frames)),
                 Err(PcapError::Eof) => return Ok(Block::End),
                 Err(PcapError::Incomplete(_)) => {}
                 Err(error) => return Err(fault(self.offset, &error)),
@@ -100,7 +120,19 @@ impl Capture {
         };
         reader.consume(used);
         self.offset += used;
-        Ok(found.map_or(Block::Other, Block::Datagram))
+        Ok(match found {
+            Some(Read::Datagram(datagram)) => Block::Datagram(datagram),
+            Some(Read::Piece) | None => Block::Other,
+            Some(Read::Other) => {
+                self.others += 1;
+                Block::Other
+            }
+            Some(Read::Damaged) => {
+                self.others += 1;
+                self.damaged += 1;
+                Block::Other
+            }
+        })
     }
 }
 
@@ -136,13 +168,13 @@ fn fault<I: core::fmt::Debug>(offset: usize, error: &PcapError<I>) -> ParseError
     }
 }
 
+/// What a block holds; `None` where that is no frame.
 fn datagram_of(
     block: &PcapBlockOwned<'_>,
     links: &mut Vec<Linktype>,
     pieces: &mut IpDefragPool<u64>,
     frames: &mut u64,
-    others: &mut u64,
-) -> Option<Datagram> {
+) -> Option<Read> {
     use pcap_parser::Block as Ng;
     let (link, frame) = match block {
         PcapBlockOwned::LegacyHeader(header) => {
@@ -167,33 +199,36 @@ fn datagram_of(
     };
     *frames += 1;
     let now = *frames;
-    let found = sliced(link.copied(), frame).map(|sliced| read(&sliced, now, pieces));
+    let found = match sliced(link.copied(), frame) {
+        Some(Ok(sliced)) => read(&sliced, now, pieces),
+        Some(Err(Damaged)) => Read::Damaged,
+        None => Read::Other,
+    };
     pieces.retain(|&then| now - then < PATIENCE);
-    match found {
-        Some(Read::Datagram(datagram)) => Some(datagram),
-        Some(Read::Piece) => None,
-        Some(Read::Other) | None => {
-            *others += 1;
-            None
-        }
-    }
+    Some(found)
 }
 
-/// The headers of a frame, by what the network was.
-fn sliced(link: Option<Linktype>, frame: &[u8]) -> Option<SlicedPacket<'_>> {
-    match link? {
+/// A frame whose headers say more than there is, or nothing that makes sense.
+struct Damaged;
+
+/// The headers of a frame, by what the network was; `None` of a network that is not known.
+fn sliced(link: Option<Linktype>, frame: &[u8]) -> Option<Result<SlicedPacket<'_>, Damaged>> {
+    let sliced = match link? {
         Linktype::ETHERNET => SlicedPacket::from_ethernet(frame).ok(),
         Linktype::LINUX_SLL => SlicedPacket::from_linux_sll(frame).ok(),
         Linktype::RAW | Linktype::IPV4 | Linktype::IPV6 => SlicedPacket::from_ip(frame).ok(),
         // Loopback: the family before the packet.
-        Linktype::NULL | Linktype::LOOP => SlicedPacket::from_ip(frame.get(4..)?).ok(),
-        // Version 2 of Linux' "cooked": the protocol is the first of 20 bytes.
-        Linktype(276) => {
-            let (head, packet) = frame.split_first_chunk::<20>()?;
-            SlicedPacket::from_ether_type(EtherType(u16::from_be_bytes([head[0], head[1]])), packet).ok()
-        }
-        _ => None,
-    }
+        Linktype::NULL | Linktype::LOOP => frame.get(4..).and_then(|packet| SlicedPacket::from_ip(packet).ok()),
+        Linktype(276) => cooked(frame),
+        _ => return None,
+    };
+    Some(sliced.ok_or(Damaged))
+}
+
+/// Version 2 of Linux' "cooked": the protocol is the first of 20 bytes.
+fn cooked(frame: &[u8]) -> Option<SlicedPacket<'_>> {
+    let (head, packet) = frame.split_first_chunk::<20>()?;
+    SlicedPacket::from_ether_type(EtherType(u16::from_be_bytes([head[0], head[1]])), packet).ok()
 }
 
 /// What a frame holds.
@@ -202,14 +237,16 @@ enum Read {
     /// Of a datagram that is not complete.
     Piece,
     Other,
+    Damaged,
 }
 
 fn read(sliced: &SlicedPacket<'_>, now: u64, pieces: &mut IpDefragPool<u64>) -> Read {
+    let Some(source) = source(sliced) else { return Read::Other };
     if sliced.is_ip_payload_fragmented() {
         return match pieces.process_sliced_packet(sliced, now, ()) {
             Ok(Some(whole)) => {
                 let datagram = (whole.ip_number == IpNumber::UDP).then(|| UdpSlice::from_slice(&whole.payload).ok());
-                let found = datagram.flatten().map_or(Read::Other, |udp| Read::Datagram(to_owned(&udp)));
+                let found = datagram.flatten().map_or(Read::Other, |udp| Read::Datagram(to_owned(source, &udp)));
                 pieces.return_buf(whole);
                 found
             }
@@ -218,11 +255,19 @@ fn read(sliced: &SlicedPacket<'_>, now: u64, pieces: &mut IpDefragPool<u64>) -> 
         };
     }
     match &sliced.transport {
-        Some(TransportSlice::Udp(udp)) => Read::Datagram(to_owned(udp)),
+        Some(TransportSlice::Udp(udp)) => Read::Datagram(to_owned(source, udp)),
         _ => Read::Other,
     }
 }
 
-fn to_owned(udp: &UdpSlice<'_>) -> Datagram {
-    Datagram { port: udp.destination_port(), payload: udp.payload().to_vec() }
+fn source(sliced: &SlicedPacket<'_>) -> Option<IpAddr> {
+    match sliced.net.as_ref()? {
+        NetSlice::Ipv4(packet) => Some(packet.header().source_addr().into()),
+        NetSlice::Ipv6(packet) => Some(packet.header().source_addr().into()),
+        NetSlice::Arp(_) => None,
+    }
+}
+
+fn to_owned(source: IpAddr, udp: &UdpSlice<'_>) -> Datagram {
+    Datagram { source, port: udp.destination_port(), payload: udp.payload().to_vec() }
 }

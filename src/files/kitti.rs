@@ -43,6 +43,29 @@ pub fn parse_with_rings(bytes: &[u8]) -> Result<PointCloud, ParseError> {
     })
 }
 
+/// Parses four floats a point or five, whichever they are: nuScenes and others write the ring behind x, y, z and
+/// intensity under the same name.
+///
+/// They are five where the length allows it and every fifth is a whole number that can be a ring, more than one number
+/// among them: coordinates, of which one in five would stand there if there were four, are not.
+///
+/// # Errors
+/// As [`parse`], where they are not five.
+pub fn parse_either(bytes: &[u8]) -> Result<PointCloud, ParseError> {
+    if holds_rings(bytes) { parse_with_rings(bytes) } else { parse(bytes) }
+}
+
+/// More beams than any sensor has.
+const RINGS: f32 = 1024.0;
+
+fn holds_rings(bytes: &[u8]) -> bool {
+    let (records, rest) = bytes.as_chunks::<RECORD_WITH_RING_LEN>();
+    let mut rings = records.iter().map(|record| float(record, 4));
+    let is_ring = |ring: f32| (0.0..RINGS).contains(&ring) && ring.fract() == 0.0;
+    let first = rings.clone().next();
+    rest.is_empty() && rings.clone().all(is_ring) && rings.any(|ring| Some(ring) != first)
+}
+
 /// Writes x, y, z, intensity: 16 bytes a point. A cloud without intensities gets zeros; the format has no rings.
 ///
 /// # Errors

@@ -9,6 +9,8 @@ const BEAMS: u8 = 1;
 const CORNER_FLAG: u8 = 1;
 const CLOCKWISE_FLAG: u8 = 1;
 const TABLE_FLAG: u8 = 2;
+const FROM_AXIS_FLAG: u8 = 4;
+const GEOMETRY_FLAGS: u8 = CLOCKWISE_FLAG | TABLE_FLAG | FROM_AXIS_FLAG;
 const EVEN_COLUMNS: u8 = 0;
 const FIRINGS_AS_BITS: u8 = 1;
 const FIRINGS_AS_STEPS: u8 = 2;
@@ -95,6 +97,8 @@ pub struct BeamsGeometry {
     pub zero_rad: f32,
     /// One range count, meters.
     pub range_unit_m: f32,
+    /// [`SensorGrid::range_from_axis`].
+    pub range_from_axis: bool,
     /// Most that a point is from where it is decoded, meters; infinite where that was not measured.
     pub point_bound_m: f32,
     /// Whether the header carries the beams.
@@ -174,8 +178,8 @@ impl<const WORDS: usize> GeometryFields for FiringsHeader<'_, WORDS> {
 impl BeamsHeader<'_> {
     /// As [`GeometryFields::put`], of columns that lie otherwise.
     fn put_with(&self, column_mode: u8, list_len: u16, mut put: impl FnMut(&[u8])) {
-        let clockwise = if self.grid.clockwise { CLOCKWISE_FLAG } else { 0 };
-        put(&[BEAMS, clockwise | if self.table { TABLE_FLAG } else { 0 }, column_mode, 0]);
+        let table = if self.table { TABLE_FLAG } else { 0 };
+        put(&[BEAMS, self.grid.flags() | table, column_mode, 0]);
         put(&self.grid.checksum().to_le_bytes());
         put(&self.grid.ticks.to_le_bytes());
         put(&self.grid.range_unit_m.to_le_bytes());
@@ -202,6 +206,11 @@ fn beam_from(bytes: [u8; BeamsHeader::BEAM_LEN]) -> Beam {
 }
 
 impl SensorGrid<'_> {
+    fn flags(&self) -> u8 {
+        let clockwise = if self.clockwise { CLOCKWISE_FLAG } else { 0 };
+        clockwise | if self.range_from_axis { FROM_AXIS_FLAG } else { 0 }
+    }
+
     /// CRC-32 of everything but the name: by this a frame says which grid it is on.
     #[must_use]
     pub fn checksum(&self) -> u32 {
@@ -209,7 +218,7 @@ impl SensorGrid<'_> {
         digest.update(&self.ticks.to_le_bytes());
         digest.update(&self.range_unit_m.to_le_bytes());
         digest.update(&self.zero_rad.to_le_bytes());
-        digest.update(&u32::from(self.clockwise).to_le_bytes());
+        digest.update(&u32::from(self.flags()).to_le_bytes());
         self.beams.iter().for_each(|beam| digest.update(&beam_bytes(beam)));
         digest.finalize()
     }
@@ -247,7 +256,7 @@ fn parse_uniform(fields: &mut Fields<'_>, flags: u8) -> Result<UniformHeader, De
 
 fn parse_beams(fields: &mut Fields<'_>, rows: u16) -> Result<BeamsGeometry, DecodeError> {
     expect(HeaderField::Rows, rows, |rows| usize::from(rows) <= SensorGrid::BEAMS_MAX)?;
-    let flags = expect(HeaderField::GeometryFlags, fields.u8()?, |flags| flags <= CLOCKWISE_FLAG | TABLE_FLAG)?;
+    let flags = expect(HeaderField::GeometryFlags, fields.u8()?, |flags| flags & !GEOMETRY_FLAGS == 0)?;
     let mode = expect(HeaderField::ColumnMode, fields.u8()?, |mode| mode <= FIRINGS_AS_STEPS)?;
     expect(HeaderField::Reserved, fields.u8()?, |zero| zero == 0)?;
     let sensor = fields.u32()?;
@@ -255,14 +264,23 @@ fn parse_beams(fields: &mut Fields<'_>, rows: u16) -> Result<BeamsGeometry, Deco
     let mut float = |field, right: fn(f32) -> bool| {
         expect(field, fields.u32()?, |bits| right(f32::from_bits(bits))).map(f32::from_bits)
     };
-    let range_unit_m = float(HeaderField::RangeUnit, |unit_m| unit_m > 0.0 && unit_m <= 1.0)?;
+    let range_unit_m = float(HeaderField::RangeUnit, |unit_m| unit_m > 0.0 && unit_m <= SensorGrid::RANGE_UNIT_MAX_M)?;
     let zero_rad = float(HeaderField::GeometryView, |zero_rad| zero_rad.abs() <= core::f32::consts::PI)?;
     let point_bound_m = float(HeaderField::PointBound, |bound_m| bound_m >= 0.0)?;
     let list_len = fields.u16()?;
     expect(HeaderField::Reserved, fields.u16()?, |zero| zero == 0)?;
     let column_mode = column_mode(mode, list_len, ticks)?;
-    let (clockwise, table) = (flags & CLOCKWISE_FLAG != 0, flags & TABLE_FLAG != 0);
-    Ok(BeamsGeometry { sensor, ticks, clockwise, zero_rad, range_unit_m, point_bound_m, table, column_mode })
+    Ok(BeamsGeometry {
+        sensor,
+        ticks,
+        clockwise: flags & CLOCKWISE_FLAG != 0,
+        zero_rad,
+        range_unit_m,
+        range_from_axis: flags & FROM_AXIS_FLAG != 0,
+        point_bound_m,
+        table: flags & TABLE_FLAG != 0,
+        column_mode,
+    })
 }
 
 /// How the columns lie; a list is as long as it must be, or shorter than that where it is coded.
@@ -280,7 +298,7 @@ fn column_mode(mode: u8, list_len: u16, ticks: u32) -> Result<ColumnMode, Decode
 
 impl Geometry {
     /// Bytes of the list of firings at the end of the header.
-    pub(super) fn firings_len(&self) -> usize {
+    pub(crate) fn firings_len(&self) -> usize {
         match self {
             Self::Beams(BeamsGeometry { column_mode: ColumnMode::Firings { list_len, .. }, .. }) => (*list_len).into(),
             _ => 0,
@@ -292,8 +310,8 @@ impl Geometry {
 impl BeamsGeometry {
     /// The grid, given its beams.
     pub(crate) fn grid<'a>(&self, beams: &'a [Beam]) -> SensorGrid<'a> {
-        let Self { ticks, clockwise, zero_rad, range_unit_m, .. } = *self;
-        SensorGrid { name: "", beams, ticks, clockwise, zero_rad, range_unit_m }
+        let Self { ticks, clockwise, zero_rad, range_unit_m, range_from_axis, .. } = *self;
+        SensorGrid { name: "", beams, ticks, clockwise, zero_rad, range_unit_m, range_from_axis }
     }
 
     /// The ticks of the columns, where these are firings; checked to ascend, to be of the turn, and as many as columns.

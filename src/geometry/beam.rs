@@ -18,6 +18,8 @@ use crate::error::ConfigError;
 /// x = a cos theta + h sin theta                   y = a sin theta - h cos theta
 /// z = d sin v + vo cos v
 /// ```
+///
+/// on a grid whose ranges run [from the axis](SensorGrid::range_from_axis) with `sqrt(a^2 - h^2)` for `a`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct Beam {
@@ -58,11 +60,17 @@ pub struct SensorGrid<'a> {
     pub zero_rad: f32,
     /// One range count, meters.
     pub range_unit_m: f32,
+    /// Whether the distance that a beam's range gives along the ground counts from the spin axis, to which the beam's
+    /// sideways offset then adds nothing; else it counts from where the beam passes the axis, and the return is
+    /// `sqrt(a^2 + h^2)` from the axis.
+    pub range_from_axis: bool,
 }
 
 impl SensorGrid<'_> {
     /// Most beams of a sensor.
     pub const BEAMS_MAX: usize = 1024;
+    /// Longest range count, meters.
+    pub const RANGE_UNIT_MAX_M: f32 = 1.0;
     /// Most ticks a turn: finer ones could not be told apart with the `f32` coordinates of a point.
     pub const TICKS_MAX: u32 = 1 << 20;
 
@@ -82,7 +90,7 @@ impl SensorGrid<'_> {
         if !is_azimuth {
             return Err(ConfigError::AzimuthView { start_rad: self.zero_rad, span_rad: core::f32::consts::TAU });
         }
-        if !(self.range_unit_m > 0.0 && self.range_unit_m <= 1.0) {
+        if !(self.range_unit_m > 0.0 && self.range_unit_m <= Self::RANGE_UNIT_MAX_M) {
             return Err(ConfigError::RangeUnit { found_m: self.range_unit_m });
         }
         let mut row = 0;
@@ -104,12 +112,9 @@ impl SensorGrid<'_> {
         let beam = self.beams.get(row)?;
         let turned_rad = tick.into() * TAU / f64::from(self.ticks);
         let turned_rad = if self.clockwise { -turned_rad } else { turned_rad };
-        let (sin, cos) = libm::sincos(f64::from(self.zero_rad) + turned_rad + f64::from(beam.azimuth_phase_rad));
-        let line = BeamLine::new(beam);
-        let d = count.into() * f64::from(self.range_unit_m) + f64::from(beam.range_phase_m);
-        let a = d * line.cos - line.lift_m * line.sin;
-        let h = f64::from(beam.h_offset_m);
-        Some([a * cos + h * sin, a * sin - h * cos, d * line.sin + line.lift_m * line.cos])
+        let theta_rad = f64::from(self.zero_rad) + turned_rad + f64::from(beam.azimuth_phase_rad);
+        let range_m = count.into() * f64::from(self.range_unit_m) + f64::from(beam.range_phase_m);
+        Some(BeamLine::new(beam, self.range_from_axis).position(theta_rad, range_m))
     }
 }
 
@@ -118,17 +123,28 @@ impl Beam {
     pub(crate) const ZERO: Self =
         Self { slope: 0.0, z_offset_m: 0.0, h_offset_m: 0.0, azimuth_phase_rad: 0.0, range_phase_m: 0.0 };
 
-    /// Whether no number is one that no sensor has: steeper than 89 degrees, or a quarter of a meter beside the axis.
+    /// Steepest, either way: 89 degrees.
+    pub(crate) const SLOPE_MAX: f32 = 57.0;
+    /// Highest over or lowest under the origin, meters.
+    pub(crate) const Z_OFFSET_MAX_M: f32 = 1.0;
+    /// Farthest beside the axis, meters.
+    pub(crate) const H_OFFSET_MAX_M: f32 = 0.25;
+    /// A turn either way.
+    pub(crate) const AZIMUTH_PHASE_MAX_RAD: f32 = core::f32::consts::TAU;
+    /// Longest range of count 0, meters.
+    pub(crate) const RANGE_PHASE_MAX_M: f32 = 10.0;
+
+    /// Whether no number is one that no sensor has.
     const fn is_usable(&self) -> bool {
-        self.slope.abs() <= 57.0
-            && self.z_offset_m.abs() <= 1.0
-            && self.h_offset_m.abs() <= 0.25
-            && self.azimuth_phase_rad.abs() <= core::f32::consts::TAU
-            && self.range_phase_m.abs() <= 10.0
+        self.slope.abs() <= Self::SLOPE_MAX
+            && self.z_offset_m.abs() <= Self::Z_OFFSET_MAX_M
+            && self.h_offset_m.abs() <= Self::H_OFFSET_MAX_M
+            && self.azimuth_phase_rad.abs() <= Self::AZIMUTH_PHASE_MAX_RAD
+            && self.range_phase_m.abs() <= Self::RANGE_PHASE_MAX_M
     }
 }
 
-/// A beam's line in the plane of the spin axis, in double precision.
+/// A beam's line in the plane of the spin axis, in double precision: what is exact of a grid is computed here.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BeamLine {
     /// Sine of the elevation.
@@ -137,14 +153,48 @@ pub(crate) struct BeamLine {
     pub(crate) cos: f64,
     /// Distance of the line from the sensor's origin, upwards: `vo`.
     pub(crate) lift_m: f64,
+    /// Sideways distance from the axis.
+    pub(crate) h_m: f64,
+    range_from_axis: bool,
 }
 
 impl BeamLine {
-    pub(crate) const fn new(beam: &Beam) -> Self {
+    pub(crate) const fn new(beam: &Beam, range_from_axis: bool) -> Self {
         let slope = beam.slope as f64;
         let cos = 1.0 / sqrt(1.0 + slope * slope);
-        Self { sin: slope * cos, cos, lift_m: beam.z_offset_m as f64 * cos }
+        let (lift_m, h_m) = (beam.z_offset_m as f64 * cos, beam.h_offset_m as f64);
+        Self { sin: slope * cos, cos, lift_m, h_m, range_from_axis }
     }
+
+    /// A point of the beam: the formulas of [`Beam`].
+    pub(crate) fn position(&self, theta_rad: f64, range_m: f64) -> [f64; 3] {
+        let (sin, cos) = libm::sincos(theta_rad);
+        let ahead_m = self.ahead_m(range_m * self.cos - self.lift_m * self.sin);
+        let Self { h_m, .. } = *self;
+        [ahead_m * cos + h_m * sin, ahead_m * sin - h_m * cos, range_m * self.sin + self.lift_m * self.cos]
+    }
+
+    /// The distance from where the beam passes the axis, of the one that its range gives.
+    #[inline]
+    pub(crate) fn ahead_m(&self, a_m: f64) -> f64 {
+        if self.range_from_axis { root((a_m * a_m - self.h_m * self.h_m).max(0.0)) } else { a_m }
+    }
+
+    /// The inverse: the distance that a range gives, of a point that is `rho_m` from the axis.
+    #[cfg(feature = "std")]
+    pub(crate) fn reach_m(&self, rho_m: f64) -> f64 {
+        let aside_m = if self.range_from_axis { 0.0 } else { self.h_m };
+        root((rho_m * rho_m - aside_m * aside_m).max(0.0))
+    }
+}
+
+/// Square root: the same bits either way, and with `std` an instruction in the decoder's loop.
+#[inline(always)]
+fn root(v: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return v.sqrt();
+    #[cfg(not(feature = "std"))]
+    libm::sqrt(v)
 }
 
 /// Square root of `v`, at least 1, at compile time.

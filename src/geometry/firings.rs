@@ -158,7 +158,14 @@ impl<const WORDS: usize> Firings<WORDS> {
 /// The ticks whose bits are set, ascending.
 fn ticks_of(fired: &[u32]) -> impl Iterator<Item = u32> {
     let words = fired.iter().zip((0..).step_by(BITS as usize));
-    words.flat_map(|(&word, first)| (0..BITS).filter(move |bit| word >> bit & 1 == 1).map(move |bit| first + bit))
+    words.flat_map(|(&word, first)| {
+        let mut left = word;
+        core::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros())?;
+            left &= left - 1;
+            Some(first + bit)
+        })
+    })
 }
 
 /// Bytes of a list that has a bit a tick.

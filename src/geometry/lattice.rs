@@ -7,7 +7,7 @@ use super::beam::{Beam, BeamLine, SensorGrid};
 use super::{Pixels, Projection};
 use crate::error::ConfigError;
 use crate::kernel;
-use crate::point::{BLOCK_LEN, Block};
+use crate::point::Block;
 use crate::quantize::Quantizer;
 
 /// Bins of slope in the table of lines.
@@ -53,7 +53,8 @@ pub struct Lattice<'a, const LINES: usize, const NODES: usize = 257> {
     pub(crate) turned_per_rad: f32,
     /// 2^-32 turns a quarter of a turn; negative likewise.
     pub(crate) quarter_turned: i32,
-    /// Radians a 2^-32 turn, squared and halved: what makes the product of two [`Line::h_turned`] that of two offsets.
+    /// Radians a 2^-32 turn, squared and halved: what makes the product of two [`Line::h_turned`] that of two offsets. 0
+    /// where ranges run from the axis, which no offset makes longer.
     pub(crate) half_square_rad: f32,
     tables: &'static AngleTables<NODES>,
 }
@@ -140,7 +141,7 @@ impl<'a, const LINES: usize, const NODES: usize> Lattice<'a, LINES, NODES> {
             nearest_axis_m: nearest_axis_m(grid.beams),
             turned_per_rad: turned_per_rad as f32,
             quarter_turned: if grid.clockwise { -(1 << 30) } else { 1 << 30 },
-            half_square_rad: (0.5 / (TURNED_PER_RAD * TURNED_PER_RAD)) as f32,
+            half_square_rad: if grid.range_from_axis { 0.0 } else { (0.5 / (TURNED_PER_RAD * TURNED_PER_RAD)) as f32 },
             tables,
         })
     }
@@ -187,45 +188,6 @@ impl<const LINES: usize, const NODES: usize> Projection for Lattice<'_, LINES, N
     fn project(&self, block: &Block, quantizer: &Quantizer, pixels: &mut Pixels) {
         kernel::project_lattice(self, quantizer, block, pixels);
     }
-}
-
-/// A lattice for points whose rows are known: those of one block.
-#[derive(Debug)]
-pub(crate) struct OnRows<'a, const LINES: usize, const NODES: usize> {
-    pub(crate) lattice: &'a Lattice<'a, LINES, NODES>,
-    pub(crate) rows: &'a [u16],
-}
-
-impl<const LINES: usize, const NODES: usize> Projection for OnRows<'_, LINES, NODES> {
-    fn rows(&self) -> u16 {
-        self.lattice.rows()
-    }
-
-    fn columns(&self) -> u16 {
-        self.lattice.columns()
-    }
-
-    fn project(&self, block: &Block, quantizer: &Quantizer, pixels: &mut Pixels) {
-        for (i, &row) in self.rows.iter().take(BLOCK_LEN).enumerate() {
-            let point = [block.x[i], block.y[i], block.z[i]];
-            (pixels.pixel[i], pixels.level[i]) = kernel::place_on_row(self.lattice, quantizer, point, row);
-        }
-    }
-}
-
-/// The row whose beam is nearest to a point.
-#[cfg(feature = "std")]
-pub(crate) fn nearest_row<const LINES: usize, const NODES: usize>(
-    lattice: &Lattice<'_, LINES, NODES>,
-    point: [f32; 3],
-) -> u16 {
-    let (mut block, mut pixels) = (Block::new(), Pixels::new());
-    block.fill(core::iter::once(point));
-    // Any levels will do.
-    if let Ok(quantizer) = Quantizer::new(16, 100.0) {
-        lattice.project(&block, &quantizer, &mut pixels);
-    }
-    ((pixels.pixel[0] & !Pixels::CLAMPED) / u32::from(lattice.columns)) as u16
 }
 
 /// The azimuth of (x, y), radians.
@@ -302,7 +264,7 @@ const fn nearest_axis_m(beams: &[Beam]) -> f32 {
 impl Line {
     const fn new(grid: &SensorGrid<'_>, row: usize, columns: usize, turned_per_rad: f64, edge: Edge) -> Self {
         let beam = &grid.beams[row];
-        let BeamLine { sin, cos, .. } = BeamLine::new(beam);
+        let BeamLine { sin, cos, .. } = BeamLine::new(beam, grid.range_from_axis);
         let from_zero = -turned_per_rad * (beam.azimuth_phase_rad as f64 + grid.zero_rad as f64);
         let mut turns = from_zero / 4_294_967_296.0;
         // Columns are centered: the edge is half a column before tick 0.

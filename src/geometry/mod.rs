@@ -14,6 +14,8 @@ mod sphere;
 mod turn;
 mod uniform;
 
+#[cfg(feature = "std")]
+pub(crate) use beam::BeamLine;
 pub use beam::{Beam, SensorGrid};
 pub(crate) use firings::bitmap_len;
 pub use firings::{FiringLattice, Firings};
@@ -24,9 +26,9 @@ pub(crate) use firings::{read as read_firings, shift_of};
 #[cfg(not(target_arch = "arm"))]
 pub(crate) use lattice::Edge;
 pub use lattice::Lattice;
-pub(crate) use lattice::{BINS, BINS_FROM_M, Line, OnRows};
 #[cfg(feature = "std")]
-pub(crate) use lattice::{azimuth_rad, nearest_row};
+pub(crate) use lattice::azimuth_rad;
+pub(crate) use lattice::{BINS, BINS_FROM_M, Line};
 #[cfg(feature = "std")]
 pub(crate) use sphere::Sphere;
 #[cfg(feature = "std")]

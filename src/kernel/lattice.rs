@@ -238,16 +238,17 @@ fn column(columns: u16, turned: u32) -> (u32, u32) {
 
 /// How far a point is from the middle of its pixel and from its level, meters.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::struct_field_names, reason = "units")]
 pub(crate) struct Miss {
     pub(crate) across_m: f32,
     pub(crate) around_m: f32,
     pub(crate) along_m: f32,
     /// Distance from the axis.
     pub(crate) rho_m: f32,
+    /// From the middle of its pixel in the sensor's direction, of which `around_m` is made.
+    pub(crate) columns_off: f32,
 }
 
-/// The pixel and the level of a point whose row is known.
+/// The pixel and the steps of a point whose row is known.
 pub(crate) fn place_on_row<const LINES: usize, const NODES: usize>(
     lattice: &Lattice<'_, LINES, NODES>,
     quantizer: &Quantizer,
@@ -288,6 +289,7 @@ pub(crate) fn miss_lattice<const LINES: usize, const NODES: usize>(
         around_m: (radians_off.abs() + left_out) * rho_m + beside_axis_m,
         along_m: range_m - quantizer.range_m(level),
         rho_m,
+        columns_off,
     })
 }
 

@@ -129,7 +129,8 @@ const fn ramp<const N: usize>(start_ns: i32, spacing_ns: i32, group: i32) -> [i3
     fire
 }
 
-// VLP-16 and Puck Hi-Res: Velodyne 63-9243 Rev E, chapter 9 (elevations, 2.304 us a channel, 55.296 us a cycle, 2 mm).
+// VLP-16 and Puck Hi-Res: Velodyne 63-9243 Rev E, chapter 9 (elevations, 2.304 us a channel, 55.296 us a cycle, 2 mm); the
+// Hi-Res' elevations are those of VeloView's calibration file.
 const VLP16_ELEVATION: [i32; 16] = [
     -15_000, 1_000, -13_000, 3_000, -11_000, 5_000, -9_000, 7_000, -7_000, 9_000, -5_000, 11_000, -3_000, 13_000,
     -1_000, 15_000,

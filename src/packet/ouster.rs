@@ -138,6 +138,28 @@ impl OusterFormat {
         header + self.columns_per_packet as usize * self.column_len() + footer
     }
 
+    /// The sensor's serial number, as a packet of this format says; `None` in the legacy profile, and where it is 0.
+    #[must_use]
+    pub fn serial_number(&self, packet: &[u8]) -> Option<u64> {
+        let is_said = self.profile != OusterProfile::Legacy && packet.len() == self.packet_len();
+        let serial = le_u64(packet, 7) & 0xff_ffff_ffff;
+        (is_said && serial != 0).then_some(serial)
+    }
+
+    /// Columns a turn, as the encoder counts of a legacy packet's first two columns say (90,112 counts a turn); `None`
+    /// in other profiles, and where the counts make no sense.
+    #[must_use]
+    pub fn columns_by_encoder(&self, packet: &[u8]) -> Option<u32> {
+        const COUNTS_PER_TURN: u32 = 90_112;
+        if self.profile != OusterProfile::Legacy || packet.len() != self.packet_len() || self.columns_per_packet < 2 {
+            return None;
+        }
+        let [first, second] = [0, self.column_len()].map(|at| le_u32(packet, at + 12));
+        let step = second.checked_sub(first)?;
+        // Damage is no contradiction: the steps of the sensor's modes are these.
+        matches!(step, 22 | 44 | 88 | 176).then(|| COUNTS_PER_TURN / step)
+    }
+
     const fn column_len(&self) -> usize {
         let (_, header, footer, _) = self.profile.frame();
         header + self.rows as usize * self.profile.cell().1 + footer

@@ -184,7 +184,7 @@ fn follows(last: Place, first: Place, format: &OusterFormat) -> Result<(), Packe
     let by_time = elapsed_ns / first.period_ns.clamp(1, 1 << 40).cast_signed();
     // Rotation speed wanders, and the clock may be disciplined: 1 in 8, and a packet or two.
     let tolerance = 32 + columns / 8;
-    if columns > 0 && (by_time - columns).abs() <= tolerance {
+    if columns > 0 && by_time.abs_diff(columns) <= tolerance.unsigned_abs() {
         return Ok(());
     }
     Err(PacketError::Discontinuity { found: first.id, expected: ((i64::from(last.id) + 1) % per_frame.max(1)) as u16 })

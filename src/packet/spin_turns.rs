@@ -104,6 +104,8 @@ impl SpinTurns {
         self.approach(packet, &sweep, &mark, stats, sink)?;
         let picks = packet.picks(policy);
         self.emit(packet, &sweep, &mark, picks, stats, sink);
+        // A sensor that turns the other way never reaches the cut, but must not count down for ever.
+        self.position = self.position.max(-TURN);
         Ok(())
     }
 
@@ -342,7 +344,10 @@ impl SpinTurns {
             let mut bytes = bytes::tail(bytes, layout.cells_at);
             for nth in 0..layout.firings_per_block {
                 let tick = if nth == 0 { azimuth } else { nth_tick(azimuth, nth, mark.step_q8) };
-                self.step(signed(at, tick), stats, sink);
+                // Mostly the way on is short and needs no other way to be compared with.
+                let ahead = i32::from(tick) - i32::from(at);
+                let ahead = if (0..=TURN / 2).contains(&ahead) { ahead } else { signed(at, tick) };
+                self.step(ahead, stats, sink);
                 at = tick;
                 let place = Place { tick, step_q8: mark.step_q8, time_ns };
                 self.give(place, bytes, &shape, second.as_ref(), stats, sink);
@@ -535,5 +540,37 @@ fn since(from: u64, to: u64, wrap: u64) -> i64 {
         _ if ahead > wrap / 2 => ahead.wrapping_sub(wrap),
         _ if ahead < -wrap / 2 => ahead.wrapping_add(wrap),
         _ => ahead,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packet::{Turn, velodyne};
+
+    /// A VLP-32C's packet that starts at `first` and turns back by 70 ticks a firing.
+    fn backward(first: i32) -> [u8; velodyne::LEN] {
+        let mut packet = [0; velodyne::LEN];
+        for (block, nth) in packet[..1200].chunks_exact_mut(100).zip(0..) {
+            block[..2].copy_from_slice(&[0xff, 0xee]);
+            block[2..4].copy_from_slice(&((first - 70 * nth).rem_euclid(TURN) as u16).to_le_bytes());
+        }
+        packet[1204..].copy_from_slice(&[0x37, 0x28]);
+        packet
+    }
+
+    #[test]
+    fn a_sensor_that_turns_the_other_way_does_not_count_down_for_ever() {
+        let (mut turns, mut stats, mut ended) = (SpinTurns::new(0), PacketStats::new(), 0);
+        for nth in 0..5000 {
+            let bytes = backward(-840 * nth);
+            let packet = SpinPacket::new(&bytes, velodyne::check(&bytes).unwrap()).unwrap();
+            let pushed = turns.push(&packet, ReturnPolicy::Strongest, &mut stats, &mut |event| {
+                ended += u32::from(matches!(event, Event::TurnEnd(Turn { end: TurnCut::Overflow, .. })));
+            });
+            assert_eq!(pushed, Ok(()));
+            assert!(turns.position >= -TURN);
+        }
+        assert_eq!((ended, stats.columns), (60_000 / u32::from(MAX_COLUMNS), 60_000));
     }
 }

@@ -10,18 +10,10 @@ use core::fmt::{self, Write as _};
 use serde::Deserialize;
 
 use super::{Beam, Sensor};
+use crate::geometry::SensorGrid;
 
 /// The layout this version reads and writes.
 const FORMAT: u32 = 1;
-/// Rows are numbered by a byte or two throughout; no spinning sensor comes near.
-const MAX_BEAMS: usize = 1024;
-/// Finer than any encoder: a microradian and a half.
-const MAX_TICKS_PER_TURN: u32 = 1 << 22;
-/// Longest range count and offset that make sense, metres.
-const MAX_LENGTH_M: f32 = 10.0;
-/// Steepest beam, about 89 degrees.
-const MAX_SLOPE: f32 = 60.0;
-
 /// Why a sensor file was not read.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -46,7 +38,7 @@ pub enum SensorFileError {
         /// What stands there.
         found: f64,
         /// What may stand there, in words.
-        expected: &'static str,
+        expected: String,
     },
 }
 
@@ -79,6 +71,8 @@ struct SensorFile {
     name: String,
     ticks_per_turn: Spanned<u32>,
     range_unit_m: Spanned<f32>,
+    #[serde(default)]
+    range_from_axis: bool,
     beams: Spanned<Vec<BeamLine>>,
 }
 
@@ -110,7 +104,7 @@ impl Sensor {
     /// assert_eq!(sensor.beams[1].h_offset_m, -0.026);
     ///
     /// let error = flicr::sensor::Sensor::from_toml(&text.replace("4000", "0")).unwrap_err();
-    /// assert_eq!(error.to_string(), "line 4: ticks_per_turn is 0, expected 1 to 4194304");
+    /// assert_eq!(error.to_string(), "line 4: ticks_per_turn is 0, expected 1 to 1048576");
     /// ```
     ///
     /// # Errors
@@ -121,11 +115,14 @@ impl Sensor {
         check_head(text, &file)?;
         let lines = file.beams.into_inner();
         let beams = lines.iter().enumerate().map(|(index, line)| line.check(text, index));
+        let beams = beams.collect::<Result<_, _>>()?;
+        check_order(text, &lines)?;
         Ok(Self {
-            beams: beams.collect::<Result<_, _>>()?,
+            beams,
             name: file.name,
             ticks_per_turn: file.ticks_per_turn.into_inner(),
             range_unit_m: file.range_unit_m.into_inner(),
+            range_from_axis: file.range_from_axis,
         })
     }
 
@@ -137,10 +134,11 @@ impl Sensor {
     pub fn to_toml(&self) -> String {
         let mut text = format!(
             "# A LiDAR's own grid. One line a beam, the highest first; slope = tan(elevation).\n\
-             format = {FORMAT}\nname = {}\nticks_per_turn = {}\nrange_unit_m = {}\nbeams = [\n",
+             format = {FORMAT}\nname = {}\nticks_per_turn = {}\nrange_unit_m = {}\n{}beams = [\n",
             quoted(&self.name),
             self.ticks_per_turn,
             decimal(self.range_unit_m),
+            if self.range_from_axis { "range_from_axis = true\n" } else { "" },
         );
         for beam in &self.beams {
             let _ = writeln!(
@@ -158,46 +156,67 @@ impl Sensor {
     }
 }
 
+// The limits are those of `SensorGrid::check`: what is read can be encoded with.
 fn check_head(text: &str, file: &SensorFile) -> Result<(), SensorFileError> {
-    let value = |offset: usize, field, found: f64, expected| {
+    let value = |offset: usize, field, found: f64, expected: String| {
         Err(SensorFileError::Value { line: line_of(text, offset), field, beam: None, found, expected })
     };
     let (format, ticks) = (*file.format.get_ref(), *file.ticks_per_turn.get_ref());
-    let (unit, beam_count) = (*file.range_unit_m.get_ref(), file.beams.get_ref().len());
+    let (unit_m, beam_count) = (*file.range_unit_m.get_ref(), file.beams.get_ref().len());
+    let (ticks_max, unit_max_m, beams_max) =
+        (SensorGrid::TICKS_MAX, SensorGrid::RANGE_UNIT_MAX_M, SensorGrid::BEAMS_MAX);
     if format != FORMAT {
-        return value(file.format.span().start, "format", f64::from(format), "1");
+        return value(file.format.span().start, "format", f64::from(format), format!("{FORMAT}"));
     }
-    if !(1..=MAX_TICKS_PER_TURN).contains(&ticks) {
-        return value(file.ticks_per_turn.span().start, "ticks_per_turn", f64::from(ticks), "1 to 4194304");
+    if !(1..=ticks_max).contains(&ticks) {
+        let expected = format!("1 to {ticks_max}");
+        return value(file.ticks_per_turn.span().start, "ticks_per_turn", f64::from(ticks), expected);
     }
-    if !(unit > 0.0 && unit <= MAX_LENGTH_M) {
-        return value(file.range_unit_m.span().start, "range_unit_m", f64::from(unit), "over 0, up to 10");
+    if !(unit_m > 0.0 && unit_m <= unit_max_m) {
+        let expected = format!("over 0, up to {unit_max_m}");
+        return value(file.range_unit_m.span().start, "range_unit_m", f64::from(unit_m), expected);
     }
-    if !(1..=MAX_BEAMS).contains(&beam_count) {
-        return value(file.beams.span().start, "number of beams", beam_count as f64, "1 to 1024");
+    if !(1..=beams_max).contains(&beam_count) {
+        let expected = format!("1 to {beams_max}");
+        return value(file.beams.span().start, "number of beams", beam_count as f64, expected);
     }
     Ok(())
 }
 
+/// Refuses a beam that is not below the one before.
+fn check_order(text: &str, lines: &[BeamLine]) -> Result<(), SensorFileError> {
+    let slope = |line: &BeamLine| *line.slope.get_ref();
+    let falls = |pair: &[BeamLine]| slope(&pair[1]) < slope(&pair[0]);
+    let Some(before) = lines.windows(2).position(|pair| !falls(pair)) else { return Ok(()) };
+    let wrong = &lines[before + 1].slope;
+    Err(SensorFileError::Value {
+        line: line_of(text, wrong.span().start),
+        field: "slope",
+        beam: Some(before + 1),
+        found: f64::from(*wrong.get_ref()),
+        expected: format!("less than {}, the slope of the beam before", slope(&lines[before])),
+    })
+}
+
 impl BeamLine {
     fn check(&self, text: &str, beam: usize) -> Result<Beam, SensorFileError> {
-        let within = |number: &Spanned<f32>, field, limit: f32, expected| {
+        let within = |number: &Spanned<f32>, field, limit: f32| {
             let found = *number.get_ref();
             let line = line_of(text, number.span().start);
             // Written so that NaN fails.
             if found.abs() <= limit {
                 Ok(found)
             } else {
+                let expected = format!("-{limit} to {limit}");
                 Err(SensorFileError::Value { line, field, beam: Some(beam), found: f64::from(found), expected })
             }
         };
-        let length = "-10 to 10";
         Ok(Beam {
-            slope: within(&self.slope, "slope", MAX_SLOPE, "-60 to 60")?,
-            z_offset_m: within(&self.z_offset_m, "z_offset_m", MAX_LENGTH_M, length)?,
-            h_offset_m: within(&self.h_offset_m, "h_offset_m", MAX_LENGTH_M, length)?,
-            azimuth_phase_rad: within(&self.azimuth_phase_rad, "azimuth_phase_rad", 7.0, "-7 to 7")?,
-            range_phase_m: within(&self.range_phase_m, "range_phase_m", MAX_LENGTH_M, length)?,
+            slope: within(&self.slope, "slope", Beam::SLOPE_MAX)?,
+            z_offset_m: within(&self.z_offset_m, "z_offset_m", Beam::Z_OFFSET_MAX_M)?,
+            h_offset_m: within(&self.h_offset_m, "h_offset_m", Beam::H_OFFSET_MAX_M)?,
+            azimuth_phase_rad: within(&self.azimuth_phase_rad, "azimuth_phase_rad", Beam::AZIMUTH_PHASE_MAX_RAD)?,
+            range_phase_m: within(&self.range_phase_m, "range_phase_m", Beam::RANGE_PHASE_MAX_M)?,
         })
     }
 }

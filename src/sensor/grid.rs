@@ -2,6 +2,7 @@ use core::f64::consts::TAU;
 use std::vec::Vec;
 
 use super::{Beam, Sensor};
+use crate::geometry::BeamLine;
 
 /// Where on the sensor's grid a return lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -44,6 +45,7 @@ impl Miss {
 ///     beams: vec![Beam { slope: 0.1, z_offset_m: 0.05, ..Beam::default() }],
 ///     ticks_per_turn: 4000,
 ///     range_unit_m: 0.002,
+///     range_from_axis: false,
 /// };
 /// let grid = Grid::new(&sensor);
 /// let cell = Cell { beam: 0, tick: 1234, count: 5678 };
@@ -64,39 +66,24 @@ pub struct Grid {
 struct Ray {
     slope: f64,
     z_offset: f64,
-    h_offset: f64,
     azimuth_phase: f64,
     range_phase: f64,
-    cos: f64,
-    sin: f64,
-    /// Height of the ray over the origin, measured across it.
-    lift: f64,
+    line: BeamLine,
 }
 
 impl Ray {
-    fn new(beam: &Beam) -> Self {
-        let slope = f64::from(beam.slope);
-        let cos = 1.0 / slope.hypot(1.0);
-        let z_offset = f64::from(beam.z_offset_m);
+    fn new(beam: &Beam, range_from_axis: bool) -> Self {
         Self {
-            slope,
-            z_offset,
-            h_offset: f64::from(beam.h_offset_m),
+            slope: f64::from(beam.slope),
+            z_offset: f64::from(beam.z_offset_m),
             azimuth_phase: f64::from(beam.azimuth_phase_rad),
             range_phase: f64::from(beam.range_phase_m),
-            cos,
-            sin: slope * cos,
-            lift: z_offset * cos,
+            line: BeamLine::new(beam, range_from_axis),
         }
     }
 
-    /// Distance from the axis, measured in the plane that the beam fires in.
-    fn reach(&self, rho: f64) -> f64 {
-        (rho * rho - self.h_offset * self.h_offset).max(0.0).sqrt()
-    }
-
     fn across(&self, rho: f64, z: f64) -> f64 {
-        (z - self.z_offset - self.slope * self.reach(rho)) * self.cos
+        (z - self.z_offset - self.slope * self.line.reach_m(rho)) * self.line.cos
     }
 }
 
@@ -105,7 +92,7 @@ impl Grid {
     #[must_use]
     pub fn new(sensor: &Sensor) -> Self {
         Self {
-            rays: sensor.beams.iter().map(Ray::new).collect(),
+            rays: sensor.beams.iter().map(|beam| Ray::new(beam, sensor.range_from_axis)).collect(),
             tick_rad: TAU / f64::from(sensor.ticks_per_turn.max(1)),
             ticks: sensor.ticks_per_turn.max(1),
             unit_m: f64::from(sensor.range_unit_m),
@@ -146,9 +133,9 @@ impl Grid {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, which is wanted")]
     fn cell_of_beam(&self, beam: usize, rho: f64, azimuth: f64, z: f64) -> (Cell, Miss) {
         let ray = &self.rays[beam];
-        let turn = azimuth + (ray.h_offset / rho).clamp(-1.0, 1.0).asin() - ray.azimuth_phase;
+        let turn = azimuth + (ray.line.h_m / rho).clamp(-1.0, 1.0).asin() - ray.azimuth_phase;
         let tick = (turn / self.tick_rad).round();
-        let range = ray.reach(rho) * ray.cos + z * ray.sin - ray.range_phase;
+        let range = ray.line.reach_m(rho) * ray.line.cos + z * ray.line.sin - ray.range_phase;
         let count = (range / self.unit_m).round();
         let miss = Miss {
             across_m: ray.across(rho, z),
@@ -171,12 +158,7 @@ impl Grid {
         let Some(ray) = self.rays.get(usize::from(cell.beam)) else {
             return [0.0; 3];
         };
-        let range = f64::from(cell.count) * self.unit_m + ray.range_phase;
-        let reach = range * ray.cos - ray.lift * ray.sin;
-        let z = range * ray.sin + ray.lift * ray.cos;
-        let rho = reach.hypot(ray.h_offset);
-        let lag = (ray.h_offset / rho).clamp(-1.0, 1.0).asin();
-        let azimuth = f64::from(cell.tick) * self.tick_rad + ray.azimuth_phase - lag;
-        [rho * azimuth.cos(), rho * azimuth.sin(), z]
+        let range_m = f64::from(cell.count) * self.unit_m + ray.range_phase;
+        ray.line.position(f64::from(cell.tick) * self.tick_rad + ray.azimuth_phase, range_m)
     }
 }

@@ -29,6 +29,8 @@ pub struct Sensor {
     pub ticks_per_turn: u32,
     /// Length of one range count, metres.
     pub range_unit_m: f32,
+    /// Whether ranges count from the spin axis; see [`SensorGrid::range_from_axis`].
+    pub range_from_axis: bool,
 }
 
 impl Sensor {
@@ -42,6 +44,7 @@ impl Sensor {
             clockwise: false,
             zero_rad: 0.0,
             range_unit_m: self.range_unit_m,
+            range_from_axis: self.range_from_axis,
         }
     }
 }

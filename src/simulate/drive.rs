@@ -32,7 +32,9 @@ impl Drive {
     }
 
     pub(super) fn pose(&self, time_s: f64) -> Pose {
-        let sway = |number: usize, period_s: f64| libm::sin(TAU * time_s / period_s + self.phases[number]);
+        // At the roadside it stands on a mast.
+        let moved_s = if self.speed_m_s > 0.0 { time_s } else { 0.0 };
+        let sway = |number: usize, period_s: f64| libm::sin(TAU * moved_s / period_s + self.phases[number]);
         let yaw = 0.012 * sway(0, 7.0);
         let pitch = self.slope[0] + 0.003 * sway(1, 1.7);
         let roll = self.slope[1] + 0.003 * sway(2, 2.3);

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::shape::Ray;
-use crate::geometry::Beam;
 use crate::geometry::sensors::hdl64e;
+use crate::geometry::{Beam, BeamLine};
 
 /// What the simulator has to know about a spinning sensor.
 ///
@@ -35,6 +35,8 @@ pub struct Sensor {
     pub period_ns: u64,
     /// One range count, in meters.
     pub range_unit_m: f64,
+    /// [`SensorGrid::range_from_axis`](crate::geometry::SensorGrid::range_from_axis).
+    pub range_from_axis: bool,
     /// Nothing nearer is reported, in meters.
     pub min_range_m: f64,
     /// Nothing beyond is reported, in meters; returns thin out over the last quarter.
@@ -61,6 +63,7 @@ impl Sensor {
             first_tick: 2000,
             period_ns: 100_000_000,
             range_unit_m: hdl64e::RANGE_UNIT_M,
+            range_from_axis: hdl64e::GRID.range_from_axis,
             min_range_m: 0.9,
             max_range_m: 80.0,
             noise_m: 0.006,
@@ -82,6 +85,7 @@ impl Sensor {
             first_tick: 0,
             period_ns: 100_000_000,
             range_unit_m: 0.002,
+            range_from_axis: false,
             min_range_m: 0.4,
             max_range_m: 100.0,
             noise_m: 0.01,
@@ -114,16 +118,12 @@ fn vlp16_beam(beam: u32) -> Beam {
     }
 }
 
-/// Lasers of one firing look up to 10 degrees to either side: every twelfth alike, the lower block
-/// wider spread than the upper. Rounded: no two units are quite the same.
+/// What each laser of KITTI's unit looks ahead: so a simulated scan is on [`hdl64e::FIRING_GRID`], which decoders know by
+/// its number, and its frames need not carry the beams.
 static HDL64E_TICK_SHIFTS: [i32; 64] = {
-    const UPPER: [i32; 12] = [4, -20, -44, -68, 44, 20, -4, -28, -52, -76, 52, 28];
-    const LOWER: [i32; 12] = [12, -24, -60, -96, 72, 36, 0, -36, -72, -112, 88, 52];
-    let mut shifts = [0; 64];
-    let mut beam = 0;
-    while beam < 32 {
-        shifts[beam] = UPPER[beam % 12];
-        shifts[beam + 32] = LOWER[beam % 12];
+    let (mut shifts, mut beam) = ([0; 64], 0);
+    while beam < shifts.len() {
+        shifts[beam] = -(hdl64e::TICKS_BEHIND[beam] as i32);
         beam += 1;
     }
     shifts
@@ -132,11 +132,7 @@ static HDL64E_TICK_SHIFTS: [i32; 64] = {
 /// A beam's constants with the sines taken, ready for many points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
-    cos_v: f64,
-    sin_v: f64,
-    /// Distance from the sensor's origin to the beam's line, measured upwards across it.
-    vo: f64,
-    h: f64,
+    line: BeamLine,
     azimuth_phase_rad: f64,
     range_phase_m: f64,
     rad_per_tick: f64,
@@ -145,12 +141,8 @@ pub(super) struct Lattice {
 
 impl Lattice {
     pub(super) fn new(sensor: &Sensor, beam: &Beam) -> Self {
-        let (sin_v, cos_v) = libm::sincos(libm::atan(f64::from(beam.slope)));
         Self {
-            cos_v,
-            sin_v,
-            vo: f64::from(beam.z_offset_m) * cos_v,
-            h: f64::from(beam.h_offset_m),
+            line: BeamLine::new(beam, sensor.range_from_axis),
             azimuth_phase_rad: f64::from(beam.azimuth_phase_rad),
             range_phase_m: f64::from(beam.range_phase_m),
             rad_per_tick: core::f64::consts::TAU / f64::from(sensor.ticks),
@@ -158,17 +150,18 @@ impl Lattice {
         }
     }
 
-    fn sincos(&self, tick: u32) -> (f64, f64) {
-        libm::sincos(f64::from(tick) * self.rad_per_tick + self.azimuth_phase_rad)
+    fn theta_rad(&self, tick: u32) -> f64 {
+        f64::from(tick) * self.rad_per_tick + self.azimuth_phase_rad
     }
 
     /// The line that the beam looks along, in the sensor's frame; its parameter is the range.
     pub(super) fn ray(&self, tick: u32) -> Ray {
-        let (sin, cos) = self.sincos(tick);
-        let a = -self.vo * self.sin_v;
+        let (sin, cos) = libm::sincos(self.theta_rad(tick));
+        let BeamLine { sin: sin_v, cos: cos_v, lift_m, h_m, .. } = self.line;
+        let a = -lift_m * sin_v;
         Ray {
-            origin: [a * cos + self.h * sin, a * sin - self.h * cos, self.vo * self.cos_v],
-            direction: [self.cos_v * cos, self.cos_v * sin, self.sin_v],
+            origin: [a * cos + h_m * sin, a * sin - h_m * cos, lift_m * cos_v],
+            direction: [cos_v * cos, cos_v * sin, sin_v],
         }
     }
 
@@ -184,9 +177,6 @@ impl Lattice {
 
     /// Where (tick, count) lies, in the sensor's frame.
     pub(super) fn position(&self, tick: u32, count: u32) -> [f64; 3] {
-        let (sin, cos) = self.sincos(tick);
-        let d = self.range_m(count);
-        let a = d * self.cos_v - self.vo * self.sin_v;
-        [a * cos + self.h * sin, a * sin - self.h * cos, d * self.sin_v + self.vo * self.cos_v]
+        self.line.position(self.theta_rad(tick), self.range_m(count))
     }
 }

@@ -53,6 +53,8 @@ pub struct Recipe {
     pub unit_m: f64,
     /// Ticks from one firing to the next, on average.
     pub firing_ticks: f64,
+    /// Whether a beam's offset takes its points no farther from the axis.
+    pub range_from_axis: bool,
     /// Coordinates are rounded to this; 0 = to `f32` only.
     pub rounding_m: f64,
     pub seed: u64,
@@ -109,14 +111,14 @@ impl MadeUp {
         made
     }
 
-    /// The model's own formula: a = d cos v - vo sin v, z = d sin v + vo cos v, r = sqrt(a^2 + h^2).
+    /// The model's own formula: a = d cos v - vo sin v, z = d sin v + vo cos v, r = sqrt(a^2 + h^2) or a.
     fn position(&self, beam: &TrueBeam, azimuth: f64, count: i32) -> [f32; 3] {
         let elevation = beam.slope.atan();
         let lift = beam.z_offset_m * elevation.cos();
         let range = f64::from(count) * self.recipe.unit_m + beam.range_phase_m;
         let reach = range * elevation.cos() - lift * elevation.sin();
         let z = range * elevation.sin() + lift * elevation.cos();
-        let rho = reach.hypot(beam.h_offset_m);
+        let rho = if self.recipe.range_from_axis { reach } else { reach.hypot(beam.h_offset_m) };
         let theta = azimuth - (beam.h_offset_m / rho).asin();
         [rho * theta.cos(), rho * theta.sin(), z].map(|value| self.round(value))
     }
@@ -176,6 +178,7 @@ pub const SIXTY_FOUR: Recipe = Recipe {
     ticks: 4000,
     unit_m: 0.002,
     firing_ticks: 1.86,
+    range_from_axis: false,
     rounding_m: 0.001,
     seed: 64,
 };

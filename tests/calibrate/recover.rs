@@ -32,7 +32,7 @@ fn found(clouds: &[Vec<[f32; 3]>]) -> Calibration {
 
 fn assert_same(sensor: &MadeUp, found: &Sensor, tolerance: Tolerance) {
     let recipe = sensor.recipe;
-    assert_eq!(found.ticks_per_turn, recipe.ticks);
+    assert_eq!((found.ticks_per_turn, found.range_from_axis), (recipe.ticks, recipe.range_from_axis));
     assert!((f64::from(found.range_unit_m) - recipe.unit_m).abs() < 1e-9, "{} m a count", found.range_unit_m);
     assert_eq!(found.beams.len(), sensor.beams.len());
     for (row, (beam, truth)) in found.beams.iter().zip(&sensor.beams).enumerate() {
@@ -93,6 +93,11 @@ fn sixty_four_beams_in_millimetres() {
 }
 
 #[test]
+fn sixty_four_beams_with_ranges_from_the_axis() {
+    recovers(Recipe { range_from_axis: true, ..SIXTY_FOUR }, 8, ROUNDED);
+}
+
+#[test]
 fn thirty_two_beams_with_coarse_ticks_and_counts() {
     let recipe = Recipe {
         beams: 32,
@@ -137,6 +142,7 @@ fn sixteen_beams_with_hundredths_of_a_degree_unrounded() {
         ticks: 36_000,
         unit_m: 0.002,
         firing_ticks: 19.91,
+        range_from_axis: false,
         rounding_m: 0.0,
         seed: 16,
     };
@@ -154,6 +160,7 @@ fn a_hundred_and_twenty_eight_beams_with_columns_unrounded() {
         ticks: 1024,
         unit_m: 0.008,
         firing_ticks: 1.0,
+        range_from_axis: false,
         rounding_m: 0.0,
         seed: 128,
     };

@@ -9,12 +9,12 @@ use flicr::geometry::sensors::{SensorGeometry, hdl64e, hesai, velodyne};
 use flicr::geometry::{Beam, SensorGrid};
 use flicr::packet::{Model, ReturnPolicy, Sensor, TurnAssembler};
 use flicr::{
-    Coder, Collision, DeflateDefault, DeflateDense, DeflateSmall, FrameEncoder, GridConfig, GridReturn, ImageViewMut,
-    Level, PacketEncoder, Rle, Scale, Stamp, Store,
+    Coder, Collision, DeflateDefault, DeflateDense, DeflateSmall, Dense, EncodedTurn, FrameEncoder, GridConfig,
+    GridReturn, ImageViewMut, Level, PacketEncoder, Rle, Scale, Small, Stamp, Store,
 };
 
 use crate::writer::Plan;
-use crate::{CODERS, STAMP, UNTOUCHED};
+use crate::{CODERS, CONTEXT, SETTINGS, STAMP, UNTOUCHED};
 
 const RETURN: usize = size_of::<flicr_return>();
 
@@ -37,17 +37,25 @@ impl Memory {
     }
 
     fn init(&mut self, config: &flicr_grid_config, coder: flicr_coder) -> Result<*mut flicr_grid_encoder, Status> {
+        let (start, len) = (self.0.as_mut_ptr().cast(), size_of_val(self.0.as_slice()));
+        let mut encoder = null_mut();
         let init = match coder {
             flicr_coder::Store => flicr_grid_encoder_init_store,
             flicr_coder::Rle => flicr_grid_encoder_init_rle,
             flicr_coder::Deflate => flicr_grid_encoder_init_deflate,
             flicr_coder::DeflateSmall => flicr_grid_encoder_init_deflate_small,
             flicr_coder::DeflateDense => flicr_grid_encoder_init_deflate_dense,
+            flicr_coder::Small | flicr_coder::Dense => {
+                let is_small = coder == flicr_coder::Small;
+                let init = if is_small { flicr_grid_encoder_init_small } else { flicr_grid_encoder_init_dense };
+                // SAFETY: the vector's own pointer and length.
+                let status = unsafe { init(start, len, config, &raw const CONTEXT, &raw mut encoder) };
+                assert_eq!(encoder.is_null(), status != Status::Ok, "written only on success");
+                return if status == Status::Ok { Ok(encoder) } else { Err(status) };
+            }
         };
-        let mut encoder = null_mut();
         // SAFETY: the vector's own pointer and length.
-        let status =
-            unsafe { init(self.0.as_mut_ptr().cast(), size_of_val(self.0.as_slice()), config, &raw mut encoder) };
+        let status = unsafe { init(start, len, config, &raw mut encoder) };
         assert_eq!(encoder.is_null(), status != Status::Ok, "written only on success");
         if status == Status::Ok { Ok(encoder) } else { Err(status) }
     }
@@ -105,6 +113,8 @@ fn in_rust<'a>(config: &flicr_grid_config, grid: SensorGrid<'a>) -> GridConfig<'
         scale: Scale::Step { step_m: config.step_m },
         collision,
         table: config.table != 0,
+        companding: [flicr::Companding::None, flicr::Companding::SquareRoot][config.companding as usize],
+        strips: config.strips as u16,
     }
 }
 
@@ -128,6 +138,8 @@ fn with_coder<L: Level>(coder: flicr_coder, config: &GridConfig<'_>, returns: &[
         flicr_coder::Deflate => returns_in_rust::<L, _>(config, returns, DeflateDefault::new()),
         flicr_coder::DeflateSmall => returns_in_rust::<L, _>(config, returns, DeflateSmall::new()),
         flicr_coder::DeflateDense => returns_in_rust::<L, _>(config, returns, DeflateDense::new()),
+        flicr_coder::Small => returns_in_rust::<L, _>(config, returns, Small::<8>::new(SETTINGS)),
+        flicr_coder::Dense => returns_in_rust::<L, _>(config, returns, Dense::<8>::new(SETTINGS)),
     }
 }
 
@@ -261,6 +273,59 @@ fn frames_of_packets_are_rusts() {
     }
 }
 
+/// One encoder of the strongest and one of the others, of the same packets: Rust's two frames a turn.
+#[test]
+fn both_returns_are_rusts_two_layers() {
+    let coder = flicr_coder::Rle;
+    for (sensor, model, geometry) in sensors() {
+        for dual in [false, true] {
+            let strongest = flicr_grid_config { turns_per_minute: 1200, ..preset(sensor, 1800) };
+            let other = flicr_grid_config { returns: flicr_return_policy::Other as u32, ..strongest };
+            let mut beams = vec![Beam::default(); geometry.beams.len()];
+            let beams = geometry.fill_beams_at(1200, &mut beams).unwrap();
+            let plan = Plan { start_tick: 30_000, ..Plan::new(model, dual) };
+            let packets = plan.packets(4000 / plan.firings_a_packet());
+            let expected = layers_in_rust(&in_rust(&strongest, geometry.grid_of(beams)), model, &packets);
+            for (config, layer) in [(strongest, 0), (other, 1)] {
+                let mut memory = Memory::of(&config, coder);
+                let encoder = memory.init(&config, coder).unwrap();
+                let (mut out, mut turns) = (out_for(&config, coder), Vec::new());
+                turns.extend(packets.iter().filter_map(|packet| push(encoder, Some(packet), &mut out).ok()));
+                turns.push(push(encoder, None, &mut out).unwrap());
+                assert_eq!(turns.len(), expected.len());
+                for ((turn, frame), expected) in turns.iter().zip(&expected) {
+                    // A layer without columns holds nothing, and has no time either.
+                    let is_there = layer == 0 || dual;
+                    assert_eq!(turn.encoded.tally.kept > 0, is_there, "{model:?} dual {dual} layer {layer}");
+                    assert!(!is_there || frame == &expected[layer], "{model:?} dual {dual} layer {layer}");
+                }
+            }
+        }
+    }
+}
+
+/// Both layers' frames of every turn.
+fn layers_in_rust(config: &GridConfig<'_>, model: Model, packets: &[Vec<u8>]) -> Vec<[Vec<u8>; 2]> {
+    let columns = usize::from(config.columns);
+    let mut levels = [(); 2].map(|()| vec![0_u16; config.grid.beams.len() * columns]);
+    let images = levels.each_mut().map(|levels| ImageViewMut::new(levels, columns).unwrap());
+    let (mut coder, turns) = (Rle::new(), TurnAssembler::new(Sensor::Spinning(model), ReturnPolicy::Both));
+    let mut encoder = PacketEncoder::new(config, turns, images, &mut coder).unwrap();
+    let mut out = vec![0; 2 * config.worst_case_len::<u16, Rle>()];
+    let mut frames = Vec::new();
+    let mut take = |turn: EncodedTurn<2>, out: &[u8]| {
+        let [first, second] = turn.frames.map(|frame| frame.len);
+        frames.push([out[..first].to_vec(), out[first..first + second].to_vec()]);
+    };
+    for packet in packets {
+        if let Some(turn) = encoder.push(packet, &mut out).unwrap() {
+            take(turn, &out);
+        }
+    }
+    take(encoder.finish(&mut out).unwrap().unwrap(), &out);
+    frames
+}
+
 #[test]
 fn beams_of_a_unit_are_taken() {
     let beams: Vec<flicr_beam> = hdl64e::BEAMS
@@ -348,7 +413,7 @@ fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
         unsafe { flicr_grid_config_init(sensor, columns, &raw mut config) }
     };
     expect(init(flicr_sensor::Custom as u32, 100), Status::Sensor);
-    expect(init(10, 100), Status::Sensor);
+    expect(init(11, 100), Status::Sensor);
     expect(init(flicr_sensor::Vlp16 as u32, 0), Status::Size);
     expect(init(flicr_sensor::Vlp16 as u32, 65_536), Status::Size);
     assert_eq!(config, good, "written only on success");
@@ -359,7 +424,7 @@ fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
         ];
     let odd = rising.as_ptr().wrapping_byte_add(1);
     let refused = [
-        (flicr_grid_config { sensor: 10, ..good }, Status::Sensor),
+        (flicr_grid_config { sensor: 11, ..good }, Status::Sensor),
         (flicr_grid_config { sensor: 0, ..good }, Status::Sensor),
         (flicr_grid_config { beam_count: 63, ..good }, Status::Sensor),
         (flicr_grid_config { beam_count: 0, ..good }, Status::Size),
@@ -375,7 +440,7 @@ fn refused_configs(expect: &mut impl FnMut(Status, Status)) {
         (flicr_grid_config { step_m: 0.0, ..good }, Status::MaxRange),
         (flicr_grid_config { step_m: f32::NAN, ..good }, Status::MaxRange),
         (flicr_grid_config { collision: 4, ..good }, Status::Collision),
-        (flicr_grid_config { returns: 2, ..good }, Status::ReturnPolicy),
+        (flicr_grid_config { returns: 3, ..good }, Status::ReturnPolicy),
     ];
     for (config, status) in refused {
         let mut memory = Memory(vec![0xA5; 200_000]);

@@ -2,7 +2,7 @@
 
 use super::run::{Place, bin, objects, points};
 
-const FIELDS: [&str; 23] = [
+const FIELDS: [&str; 27] = [
     "file",
     "preset",
     "geometry",
@@ -11,6 +11,10 @@ const FIELDS: [&str; 23] = [
     "columns",
     "rows",
     "coder",
+    "tier",
+    "bits",
+    "step_m",
+    "range_bound_m",
     "points",
     "kept",
     "bytes",
@@ -37,7 +41,7 @@ fn json_has_these_fields_in_this_order() {
     assert!(places.is_sorted());
     let [object] = objects(&text).try_into().unwrap();
     assert_eq!(object.len(), FIELDS.len());
-    let words = ["file", "preset", "geometry", "sensor", "why", "coder"];
+    let words = ["file", "preset", "geometry", "sensor", "why", "coder", "tier"];
     assert!(words.iter().all(|&field| object[field].is_string()));
     let numbers = FIELDS.iter().filter(|field| !words.contains(field));
     assert!(numbers.map(|&field| object[field].as_f64().unwrap()).all(|number| number >= 0.0));
@@ -105,4 +109,48 @@ fn a_scan_without_a_return_cannot_be_measured() {
     let place = Place::new();
     place.write("none.bin", &[0; 32]);
     place.fails_with(1, &["eval", "none.bin"], "none.bin", &["expected"]);
+}
+
+#[test]
+fn several_tiers_and_steps_are_measured_and_told_apart() {
+    let place = Place::with_scan();
+    let args = [
+        "eval",
+        "scan.bin",
+        "--columns",
+        "512",
+        "--tier",
+        "dense,small,dense",
+        "--step",
+        "native,0.1",
+        "--coder",
+        "context,rle",
+    ];
+    let found = objects(&place.fine(&[&args[..], &["--json"]].concat()));
+    let told: Vec<_> =
+        found.iter().map(|o| (o["coder"].as_str().unwrap(), o["tier"].as_str(), o["step_m"].as_f64())).collect();
+    let near = |step_m: Option<f64>, expected: f64| (step_m.unwrap() - expected).abs() < 1e-6;
+    assert_eq!(told.len(), 6);
+    for (told, (coder, tier, step_m)) in told.iter().zip([
+        ("context", Some("dense"), 0.002),
+        ("context", Some("dense"), 0.1),
+        ("context", Some("small"), 0.002),
+        ("context", Some("small"), 0.1),
+        ("rle", None, 0.002),
+        ("rle", None, 0.1),
+    ]) {
+        assert!((told.0, told.1) == (coder, tier) && near(told.2, step_m), "{told:?}");
+    }
+    let number = |at: usize, field: &str| found[at][field].as_f64().unwrap();
+    for finer in [0, 2, 4] {
+        assert!(number(finer, "bytes") > number(finer + 1, "bytes"));
+        assert!(number(finer, "range_bound_m") < number(finer + 1, "range_bound_m"));
+    }
+    assert!(number(0, "bytes") < number(2, "bytes") && number(2, "bytes") < number(4, "bytes"));
+    let table = place.fine(&args);
+    for heading in
+        ["16 bits, context dense, step 0.002 m", "16 bits, context small, step 0.100 m", "16 bits, rle, step 0.100 m"]
+    {
+        assert_eq!(table.matches(heading).count(), 1, "{heading}: {table}");
+    }
 }

@@ -151,13 +151,13 @@ fn info_is_readable_too() {
     let place = Place::with_scan();
     let columns = ["--columns", "1024"];
     for (options, shape) in [
-        (&["--preset", "uniform", "--columns", "1024"][..], &["64 rows", "1024 columns"][..]),
+        (&["--preset", "uniform", "--columns", "1024", "--coder", "context"][..], &["64 rows", "1024 columns"][..]),
         (&columns, &["64 beams of HDL-64E (KITTI), 1024 columns over its 4000 ticks", "points within"]),
         (&["--columns", "native"], &["64 beams of ", " firings at some of its 4000 ticks (a list of "]),
     ] {
         place.fine(&[&["encode", "scan.bin", "-o", "f.flicr"], options].concat());
         let text = place.fine(&["info", "f.flicr"]);
-        for words in [&["f.flicr: frame 0", "coder deflate", " kept"], shape].concat() {
+        for words in [&["f.flicr: frame 0", "coder context", " kept"], shape].concat() {
             assert!(text.contains(words), "no {words:?} in {text}");
         }
     }

@@ -6,6 +6,11 @@ const PIECE_LEN: usize = 1480;
 
 /// An Ethernet frame with a datagram to `port`; several where it is too long for one.
 pub fn frames(port: u16, payload: &[u8], id: u16) -> Vec<Vec<u8>> {
+    frames_from(201, port, payload, id)
+}
+
+/// The same from 192.168.1.`host`.
+pub fn frames_from(host: u8, port: u16, payload: &[u8], id: u16) -> Vec<Vec<u8>> {
     let mut udp = Vec::new();
     udp.extend(40_000_u16.to_be_bytes());
     udp.extend(port.to_be_bytes());
@@ -14,11 +19,11 @@ pub fn frames(port: u16, payload: &[u8], id: u16) -> Vec<Vec<u8>> {
     udp.extend(payload);
     let pieces: Vec<&[u8]> = udp.chunks(PIECE_LEN).collect();
     let last = pieces.len() - 1;
-    let frame = |(nth, piece): (usize, &&[u8])| frame(id, nth * PIECE_LEN / 8, nth < last, piece);
+    let frame = |(nth, piece): (usize, &&[u8])| frame(host, id, nth * PIECE_LEN / 8, nth < last, piece);
     pieces.iter().enumerate().map(frame).collect()
 }
 
-fn frame(id: u16, offset: usize, more: bool, payload: &[u8]) -> Vec<u8> {
+fn frame(host: u8, id: u16, offset: usize, more: bool, payload: &[u8]) -> Vec<u8> {
     let mut frame = vec![0xff; 6];
     frame.extend([2, 0, 0, 0, 0, 1, 0x08, 0x00]);
     frame.extend([0x45, 0]);
@@ -26,7 +31,7 @@ fn frame(id: u16, offset: usize, more: bool, payload: &[u8]) -> Vec<u8> {
     frame.extend(id.to_be_bytes());
     frame.extend((offset as u16 | if more { 0x2000 } else { 0 }).to_be_bytes());
     frame.extend([64, 17, 0, 0]);
-    frame.extend([192, 168, 1, 201, 255, 255, 255, 255]);
+    frame.extend([192, 168, 1, host, 255, 255, 255, 255]);
     frame.extend(payload);
     frame
 }

@@ -31,6 +31,14 @@ pub static KITTI: LazyLock<Vec<Scan>> = LazyLock::new(|| {
     paper.into_iter().chain(object).chain(drive).map(read).collect()
 });
 
+/// One that is cut: of 49 of the beams.
+static KITTI_CUT: LazyLock<Scan> = LazyLock::new(|| read("kitti/paper/4.bin".into()));
+
+/// All raw KITTI scans.
+pub fn all_kitti() -> impl Iterator<Item = &'static Scan> {
+    KITTI.iter().chain([&*KITTI_CUT])
+}
+
 fn read(name: String) -> Scan {
     Scan { points: read_points(&path(&name)), name }
 }

@@ -11,12 +11,13 @@ use flicr::{
 /// Beam, tick and range in counts.
 pub type Cell = (usize, u32, f64);
 
-/// The nearest cell, by `codec.md`'s formulas in double precision over all beams: nothing is shared with the crate but
-/// the table of beams.
+/// The nearest cell, by `codec.md`'s formulas in double precision over all beams, with no offset in the distance from
+/// the axis where ranges begin there: nothing is shared with the crate but the table of beams.
 #[expect(clippy::many_single_char_names, reason = "the letters of the formulas")]
 pub fn exact_cell(grid: &SensorGrid<'_>, [x, y, z]: [f64; 3]) -> Cell {
     let rho = libm::hypot(x, y);
-    let reach = |beam: &Beam| libm::sqrt(rho * rho - f64::from(beam.h_offset_m).powi(2));
+    let beside = |beam: &Beam| if grid.range_from_axis { 0.0 } else { f64::from(beam.h_offset_m) };
+    let reach = |beam: &Beam| libm::sqrt(rho * rho - beside(beam).powi(2));
     let off = |beam: &Beam| (z - f64::from(beam.slope) * reach(beam) - f64::from(beam.z_offset_m)).abs();
     let offs = grid.beams.iter().map(off).enumerate();
     let (row, _) = offs.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();

@@ -231,3 +231,26 @@ proptest! {
         prop_assert_eq!((stats.used + stats.refused()) as usize, packets.len());
     }
 }
+
+#[test]
+fn a_clock_that_leaps_by_half_its_range_is_refused() {
+    for profile in [OusterProfile::Legacy, OusterProfile::Single, OusterProfile::Dual, OusterProfile::LowRate] {
+        let format = ouster_format(profile);
+        let at_time = |first_id: u16, time_ns: u64| {
+            let mut packet = writer::ouster(&format, 0, first_id);
+            let head = if profile == OusterProfile::Legacy { 0 } else { 64 };
+            let column_len = (packet.len() - head) / 16;
+            packet[head / 2..].chunks_exact_mut(column_len).for_each(|column| {
+                column[..8].copy_from_slice(&time_ns.to_le_bytes());
+            });
+            packet
+        };
+        for leap_ns in [1 << 63, (1 << 63) - 1, (1 << 63) + 1] {
+            let mut assembler = TurnAssembler::new(Sensor::Ouster(format), BOTH);
+            assert_eq!(assembler.push(&at_time(0, leap_ns), |_| ()), Ok(()));
+            // A packet is missing between them, so that the time is asked.
+            let refused = assembler.push(&at_time(32, 0), |_| panic!("nothing of it is used"));
+            assert_eq!(refused, Err(PacketError::Discontinuity { found: 32, expected: 16 }), "{profile:?} {leap_ns}");
+        }
+    }
+}

@@ -21,7 +21,7 @@ fn beams(rows: usize) -> Vec<Beam> {
 
 fn grid(beams: &[Beam], ticks: u32, unit_um: u16) -> SensorGrid<'_> {
     let range_unit_m = f32::from(unit_um) * 1e-6;
-    SensorGrid { name: "", beams, ticks, clockwise: true, zero_rad: 0.0, range_unit_m }
+    SensorGrid { name: "", beams, ticks, clockwise: true, zero_rad: 0.0, range_unit_m, range_from_axis: false }
 }
 
 /// What came out of a stream: every turn's frames.

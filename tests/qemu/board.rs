@@ -50,17 +50,22 @@ impl Board {
         Ok(run(emulator.arg(self.name).arg(firmware).arg(scan).arg(out_prefix).args(frames))?)
     }
 
-    /// Compares with the file beside the firmware's source, or writes it where `FLICR_BLESS` is set.
+    /// Compares with the file beside the firmware's source.
     pub fn check_printed(&self, printed: &str) -> Result<(), Failed> {
         let expected_path = root().join("examples").join(self.firmware.example).join("qemu.out");
-        if std::env::var_os("FLICR_BLESS").is_some() {
-            return Ok(std::fs::write(expected_path, printed)?);
-        }
-        let expected = std::fs::read_to_string(&expected_path).unwrap_or_default();
-        if printed == expected {
-            return Ok(());
-        }
-        let path = expected_path.display();
-        Err(format!("printed:\n{printed}but {path} says:\n{expected}`make bless` accepts what was printed").into())
+        check_golden(&expected_path, printed)
     }
+}
+
+/// Compares with a file, or writes it where `FLICR_BLESS` is set.
+pub fn check_golden(expected_path: &Path, printed: &str) -> Result<(), Failed> {
+    if std::env::var_os("FLICR_BLESS").is_some() {
+        return Ok(std::fs::write(expected_path, printed)?);
+    }
+    let expected = std::fs::read_to_string(expected_path).unwrap_or_default();
+    if printed == expected {
+        return Ok(());
+    }
+    let path = expected_path.display();
+    Err(format!("printed:\n{printed}but {path} says:\n{expected}`make bless` accepts what was printed").into())
 }

@@ -7,7 +7,7 @@ use flicr::{EncodedTurn, GridConfig, ImageViewMut, PacketEncoder, Rle, Scale};
 use libtest_mimic::Failed;
 
 use crate::board::Board;
-use crate::frames::Frame;
+use crate::frames::{Even, Frame};
 
 /// Every second tick at a sensor's usual 600 turns a minute, and so few columns that returns collide.
 static VLP16: [Frame; 2] = [frame(1800, "vlp16"), frame(256, "vlp16")];
@@ -29,7 +29,7 @@ fn instructions_max(line: &str) -> f64 {
 }
 
 const fn frame(columns: usize, coder: &'static str) -> Frame {
-    Frame { columns, coder, max_range_m: 120.0 }
+    Frame::Even(Even { columns, coder, max_range_m: 120.0 })
 }
 
 /// What is made of a sensor's packets.
@@ -58,6 +58,7 @@ pub fn file_of(packets: &[Vec<u8>]) -> Vec<u8> {
 
 /// The frames of all turns, one behind the other.
 pub fn encode(frame: &Frame, model: Model, packets: &[Vec<u8>]) -> Vec<u8> {
+    let Frame::Even(frame) = frame else { unreachable!("packets are not encoded by firings") };
     let sensor = sensor(model);
     let mut beams = vec![Beam::default(); sensor.beams.len()];
     let beams = sensor.fill_beams_at(600, &mut beams).expect("as many beams");

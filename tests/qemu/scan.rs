@@ -7,8 +7,10 @@ use flicr::packet::Model;
 use flicr::simulate::Simulator;
 use libtest_mimic::Failed;
 
+use crate::board::check_golden;
 use crate::captures::payloads;
 use crate::common::data;
+use crate::firmware::root;
 use crate::frames::{FRAMES, Frame};
 use crate::packets;
 use crate::writer::Plan;
@@ -106,6 +108,12 @@ impl Scan {
             }
         });
         Ok(frames.as_ref()?)
+    }
+
+    /// Compares with the file of a real scan's frames, which are the same from every board.
+    pub fn check_printed(&self, printed: &str) -> Result<(), Failed> {
+        let file = format!("{}.out", self.name.trim_end_matches(".bin").replace('/', "-"));
+        check_golden(&root().join("tests/qemu").join(file), printed)
     }
 
     fn packets(&self) -> Vec<Vec<u8>> {

@@ -48,7 +48,7 @@ fn differences(sensor: &Sensor, table: &str) -> [f64; 5] {
     largest
 }
 
-/// What the table must be met within; its own slopes are up to 1.7e-5 beside those that all 29 scans allow.
+/// What the table must be met within; its own slopes are up to 1.7e-5 beside those of all 29 scans.
 fn assert_within(off: [f64; 5]) {
     let limits = [3e-5, 6e-4, 6e-4, 0.003, 1e-4];
     assert!(off.iter().zip(limits).all(|(off, limit)| *off < limit), "{off:?} over {limits:?}");
@@ -76,7 +76,8 @@ fn any_eight(seed: u64) {
     let off = differences(&found.sensor, &table);
     println!("seed {seed}: {time:.1?}, off by {off:?}");
     assert!(time < Duration::from_secs(60), "{time:?}");
-    assert_eq!((found.sensor.ticks_per_turn, found.sensor.range_unit_m), (4000, 0.002));
+    let Sensor { ticks_per_turn, range_unit_m, range_from_axis, .. } = found.sensor;
+    assert_eq!((ticks_per_turn, range_unit_m, range_from_axis), (4000, 0.002, true));
     assert_within(off);
 
     let others: Vec<Scan> = others.iter().map(|points| Scan { points, beams: None }).collect();
@@ -120,8 +121,8 @@ fn comes_out(path: &str, beams: usize, ticks: u32, unit_m: f32, lost: usize) {
     let (points, rings) = with_rings(path);
     for hint in [None, Some(rings.as_slice())] {
         let found = calibrate("other", &[Scan { points: &points, beams: hint }], &mut |_| ()).expect("on a grid");
-        let Sensor { beams: table, ticks_per_turn, range_unit_m, .. } = &found.sensor;
-        assert_eq!((table.len(), *ticks_per_turn, *range_unit_m), (beams, ticks, unit_m));
+        let Sensor { beams: table, ticks_per_turn, range_unit_m, range_from_axis, .. } = &found.sensor;
+        assert_eq!((table.len(), *ticks_per_turn, *range_unit_m, *range_from_axis), (beams, ticks, unit_m, false));
         assert_eq!(found.residuals.off_grid, 0);
         assert!(found.residuals.lost <= lost, "{} points lost", found.residuals.lost);
     }

@@ -8,7 +8,8 @@ use flicr::metrics::{PAPER_MAX_RANGE_M, compare};
 use flicr::{Decoder, Levels};
 use tempfile::TempDir;
 
-use crate::common::data;
+use crate::common::{data, xyz};
+use crate::moved::{self, MOTIONS};
 use crate::packets::captures::npy_u32;
 
 /// Runs the program; gives its stdout and stderr.
@@ -19,13 +20,14 @@ fn flicr(args: &[&str]) -> (String, String) {
     (stdout, stderr)
 }
 
-struct Encoded {
+/// A file that the program encoded, lossless.
+pub struct Encoded {
     folder: TempDir,
     notes: String,
 }
 
 impl Encoded {
-    fn new(name: &str, options: &[&str]) -> Self {
+    pub fn new(name: &str, options: &[&str]) -> Self {
         Self::of(&data::path(name), options)
     }
 
@@ -36,7 +38,7 @@ impl Encoded {
         Self { folder, notes }
     }
 
-    fn path(&self) -> String {
+    pub fn path(&self) -> String {
         self.folder.path().join("f.flicr").display().to_string()
     }
 
@@ -75,6 +77,18 @@ pub fn captures_are_encoded_without_loss() {
         let frames = encoded.frames();
         assert_eq!(frames.len(), turns, "{capture}");
         assert!(frames.iter().all(|&(returns, kept)| returns == kept && kept > 10_000), "{capture}: {frames:?}");
+    }
+}
+
+/// The VLP-32C was told to leave half of the turn out: nothing is missing for that.
+pub fn what_is_not_measured_is_told_from_what_is_missing() {
+    let (text, _) = flicr(&["info", &data::path("velodyne/vlp32c_single.pcap").display().to_string()]);
+    let whole: Vec<&str> = text.lines().filter(|line| line.trim_start().starts_with("turn ")).collect();
+    assert_eq!(whole.len(), 4);
+    for turn in whole {
+        let blind = turn.split(" firings, 0 columns missing, ").nth(1).and_then(|rest| rest.split(' ').next());
+        let blind: u32 = blind.unwrap_or_else(|| panic!("{turn}")).parse().unwrap();
+        assert!((885..=905).contains(&blind) && turn.contains(" not measured, "), "{turn}");
     }
 }
 
@@ -146,4 +160,24 @@ pub fn clouds_of_other_sensors() {
     let [(returns, kept)] = Encoded::of(&beyond, &["--columns", "36000"]).frames().try_into().unwrap();
     println!("HDL-32E beyond a meter: {} of {returns} lost", returns - kept);
     assert!(returns > 26_000 && 1000 * (returns - kept) <= returns, "{kept} of {returns}");
+}
+
+/// Without being told anything: `--sensor auto` finds the beams of scans that were moved by a meter and more.
+pub fn moved_scans_are_encoded_on_their_beams() {
+    let place = tempfile::tempdir().unwrap();
+    for name in ["kitti/object/000000.bin", "kitti/drive/000003.bin"] {
+        let raw = xyz(&data::read_points(&data::path(name)));
+        for motion in MOTIONS {
+            let points = moved::moved(&raw, motion);
+            let file = place.path().join("moved.bin");
+            let bytes: Vec<u8> =
+                points.iter().flat_map(|&[x, y, z]| [x, y, z, 0.0]).flat_map(f32::to_le_bytes).collect();
+            std::fs::write(&file, bytes).unwrap();
+            let encoded = Encoded::of(&file, &[]);
+            let [(returns, kept)] = encoded.frames().try_into().unwrap();
+            println!("{name} {motion:?}: {kept} of {returns}; {}", encoded.notes.trim());
+            assert!(encoded.notes.contains("HDL-64E (KITTI), beams-in-order"), "{name} {motion:?}: {}", encoded.notes);
+            assert!((returns - kept) * 100 <= returns, "{name} {motion:?}: {kept} of {returns}");
+        }
+    }
 }

@@ -10,11 +10,11 @@ use crate::firing_images::{Firings, Shifts};
 /// Steps in levels of 2 mm, and the least ratios to 16 bytes a point: small and dense.
 const LEAST: [(u16, f64, f64); 7] = [
     (1, 19.2, 20.0),
-    (5, 30.5, 32.8),
+    (5, 30.8, 32.9),
     (10, 39.4, 43.0),
     (25, 57.0, 64.0),
     (51, 74.8, 85.5),
-    (101, 96.4, 112.0),
+    (101, 96.5, 112.0),
     (157, 114.0, 134.0),
 ];
 

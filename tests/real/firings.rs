@@ -37,9 +37,7 @@ fn check(name: &str, grid: SensorGrid<'_>, ticks: &[u32], points: &[[f32; 3]]) -
 
 pub fn all_raw_scans_by_firings() {
     let mut lens = Vec::new();
-    let cut = ("paper/4", data::read_points(&data::path("kitti/paper/4.bin")));
-    let whole = data::KITTI.iter().map(|scan| (scan.name.as_str(), &scan.points));
-    for (name, points) in whole.chain([(cut.0, &cut.1)]) {
+    for data::Scan { name, points } in data::all_kitti() {
         let points = xyz(points);
         let found = find_firings(points.as_slice(), &hdl64e::FIRING_GRID).unwrap().expect("shared");
         assert_eq!(found.beams, hdl64e::FIRING_BEAMS, "{name}");

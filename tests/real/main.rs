@@ -7,10 +7,13 @@ mod calibrate;
 mod command_line;
 #[path = "../common/mod.rs"]
 mod common;
+mod companding;
 mod context;
 mod deflate;
 #[cfg(feature = "cli")]
 mod eval;
+#[cfg(feature = "cli")]
+mod exact;
 mod fast;
 mod files;
 #[path = "../../examples/train_priors/firings.rs"]
@@ -21,9 +24,14 @@ mod firings;
 mod geometry;
 mod lattice;
 mod metrics;
+mod moved;
 mod packets;
 mod paper;
+#[cfg(feature = "cli")]
+mod sensors;
 mod simulate;
+mod stream;
+mod strips;
 
 use std::process::ExitCode;
 
@@ -38,6 +46,7 @@ const TESTS: &[(&str, fn())] = &[
     ("calibrate::ouster_os0_32", calibrate::ouster_os0_32),
     ("calibrate::ouster_os1_128", calibrate::ouster_os1_128),
     ("calibrate::nuscenes_is_motion_compensated", calibrate::nuscenes_is_motion_compensated),
+    ("companding::eight_bits_are_better_by_the_square_root", companding::eight_bits_are_better_by_the_square_root),
     ("context::ratios_on_the_sensors_own_grid", context::ratios_on_the_sensors_own_grid),
     ("context::smaller_than_zlib_on_the_papers_images", context::smaller_than_zlib_on_the_papers_images),
     ("deflate::profiles_are_as_small_as_promised", deflate::profiles_are_as_small_as_promised),
@@ -56,6 +65,7 @@ const TESTS: &[(&str, fn())] = &[
     ("lattice::raw_scans_come_back_to_the_millimeter", lattice::raw_scans_come_back_to_the_millimeter),
     ("lattice::few_points_are_lost_on_other_columns", lattice::few_points_are_lost_on_other_columns),
     ("lattice::raw_scans_are_told_to_be_on_the_grid", lattice::raw_scans_are_told_to_be_on_the_grid),
+    ("moved::one_percent_and_the_bound", moved::at_most_one_percent_is_lost_and_the_bound_holds_for_every_point),
     ("metrics::agree_with_scipy", metrics::agree_with_scipy),
     ("packets::every_flipped_bit", packets::bad::captured_packets_survive_every_flipped_bit),
     ("packets::pandar40p", packets::hesai::pandar40p_has_every_reference_point),
@@ -74,16 +84,25 @@ const TESTS: &[(&str, fn())] = &[
     #[cfg(feature = "cli")]
     ("packets::ouster_through_frames", packets::frames::ouster_comes_back_from_frames),
     ("paper::presets_lose_and_err_as_the_paper_does", paper::presets_lose_and_err_as_the_paper_does),
-    ("simulate::the_beam_table_is_the_fit", simulate::the_beam_table_is_the_fit),
+    ("simulate::the_beams_are_those_of_the_table", simulate::the_beams_are_those_of_the_table),
+    ("stream::streams_cost_little_on_raw_scans", stream::streams_cost_little_on_raw_scans),
+    ("strips::sixteen_strips_cost_little", strips::sixteen_strips_cost_little),
     ("simulate::statistics_are_those_of_real_scans", simulate::statistics_are_those_of_real_scans),
 ];
 
 /// Of the program, where it is built.
 #[cfg(feature = "cli")]
 const COMMAND_LINE: &[(&str, fn())] = &[
+    ("exact::raw_scans_come_back_byte_for_byte", exact::raw_scans_come_back_byte_for_byte),
     ("command_line::captures_are_encoded_without_loss", command_line::captures_are_encoded_without_loss),
+    (
+        "command_line::what_is_not_measured_is_told_from_what_is_missing",
+        command_line::what_is_not_measured_is_told_from_what_is_missing,
+    ),
     ("command_line::ouster_frames_equal_the_sdk", command_line::ouster_frames_equal_the_sdk),
+    ("command_line::moved_scans_are_encoded_on_their_beams", command_line::moved_scans_are_encoded_on_their_beams),
     ("command_line::clouds_of_other_sensors", command_line::clouds_of_other_sensors),
+    ("sensors::no_sensor_takes_more_than_zstd", sensors::no_sensor_takes_more_than_zstd),
 ];
 #[cfg(not(feature = "cli"))]
 const COMMAND_LINE: &[(&str, fn())] = &[];

@@ -8,7 +8,11 @@ import sys
 
 def main(priors_path, payload_path, rows, columns):
     priors, payload = open(priors_path, "rb").read(), open(payload_path, "rb").read()
-    rows, columns = int(rows), int(columns)
+    levels = levels_of(payload, int(rows), int(columns), priors)
+    sys.stdout.buffer.write(struct.pack(f"<{len(levels)}H", *levels))
+
+
+def levels_of(payload, rows, columns, priors):
     kind, noise, step, largest = struct.unpack("<BBHH", payload[:6])
     assert kind & 3 == 2 and kind & 4 == 0
     image = Image(priors, rows, columns, step, noise, largest)
@@ -26,7 +30,7 @@ def main(priors_path, payload_path, rows, columns):
         streams.finish()
         first += count
     assert at == len(payload)
-    sys.stdout.buffer.write(struct.pack(f"<{rows * columns}H", *image.levels))
+    return image.levels
 
 
 class Streams:
@@ -163,4 +167,5 @@ class Image:
         return level
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,16 +1,14 @@
 //! The command line's words, and what `encode`, `eval` and `view` share of them.
 
-use std::rc::Rc;
-
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use flicr::geometry::sensors::ouster::OusterSensor;
 
 use flicr::coder::{self, ContextSettings};
-use flicr::{Config, Scale};
+use flicr::{Companding, Config, Scale};
 
+use crate::choice::{Choice, Fineness, PredictorName};
 use crate::failure::Failure;
 use crate::sensors::Asked;
-use crate::{calibrate, decode, encode, eval, info, simulate, view};
+use crate::{calibrate, compare, decode, encode, eval, info, receive, simulate, view};
 
 /// LiDAR scans to a few kilobytes and back, with a known error.
 #[derive(Debug, Parser)]
@@ -23,12 +21,14 @@ pub struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   flicr simulate -o street.bin                 a scan to try things with
-  flicr encode street.bin -o street.flicr      120,000 points to 50 KB
+  flicr encode street.bin -o street.flicr      120,000 points to some 50 KB, each range within 13 mm
   flicr decode street.flicr -o back.pcd        and back
   flicr eval street.bin --columns native,256   what it costs and what it saves
+  flicr compare street.bin back.bin            how near a cloud is, whatever codec it came out of
   flicr view street.bin -o street.png          how it looks
   flicr calibrate drive/*.bin -o sensor.toml   the sensor's own grid, from its scans
   flicr encode turns.pcap -o turns.flicr       a frame for every turn of a capture
+  flicr receive udp://0.0.0.0:2400 -o live/    a sensor's stream of datagrams, as it turns
 
 Exit codes: 0 fine, 1 bad data, 2 bad usage.";
 
@@ -38,9 +38,11 @@ pub enum Command {
     Decode(decode::Decode),
     Info(info::Info),
     Eval(eval::Eval),
+    Compare(compare::Compare),
     Simulate(simulate::Simulate),
     Calibrate(calibrate::Calibrate),
     View(view::View),
+    Receive(receive::Receive),
 }
 
 impl Command {
@@ -50,9 +52,11 @@ impl Command {
             Self::Decode(decode) => decode.run(),
             Self::Info(info) => info.run(),
             Self::Eval(eval) => eval.run(),
+            Self::Compare(compare) => compare.run(),
             Self::Simulate(simulate) => simulate.run(),
             Self::Calibrate(calibrate) => calibrate.run(),
             Self::View(view) => view.run(),
+            Self::Receive(receive) => receive.run(),
         }
     }
 }
@@ -71,22 +75,27 @@ pub struct FrameArgs {
     /// Rows of evenly spread rows, from the highest elevation to the lowest; a sensor has its own
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..))]
     pub rows: u16,
-    /// Bits of a range, 1 to 16: the quantizer has 2^N - 1 steps [default: 8; with --step 16]
+    /// Bits of a range, 1 to 16: the quantizer has 2^N - 1 steps [default: 16; with --preset and no
+    /// --step, or with --max-range, 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     pub bits: Option<u32>,
-    /// How finely ranges are kept; native is the sensor's range count, and without loss on its own grid. The context
-    /// coders keep a range within 0.6 of it, the others within 0.5
-    #[arg(long, value_name = "METERS|native", value_parser = step, conflicts_with = "max_range")]
-    pub step: Option<Step>,
     /// Range of the largest level; farther points are dropped and counted [default: each scan's farthest point]
     #[arg(long, value_name = "METERS", value_parser = meters)]
     pub max_range: Option<f32>,
-    /// What codes the range image, without loss
-    #[arg(long, value_enum, default_value_t = CoderName::Deflate)]
-    pub coder: CoderName,
-    /// Which of the context coders
-    #[arg(long, value_enum, default_value_t = Tier::Dense)]
-    pub tier: Tier,
+    /// How levels are spread over ranges; by the square root, which takes --bits of 8 or fewer (or --max-range), near ranges
+    /// are finer and far ones coarser: 3.7 dB more with 8 bits
+    #[arg(long, value_enum, default_value_t)]
+    pub companding: CompandingName,
+    /// What the context coders predict a pixel from
+    #[arg(long, value_enum, default_value_t)]
+    pub predictor: PredictorName,
+    /// Runs of columns that each frame is cut into: they decode alone, on several cores; 16 cost 1 to 4 % of a context
+    /// coder's bytes, the fast tier's 2 to 6
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub strips: u16,
+    /// Coder and step, which `eval` takes several of.
+    #[arg(skip)]
+    pub choice: Choice,
 }
 
 /// Levels between which the context coders step, of frames without a sensor: as finely as KITTI's counts, meters.
@@ -128,37 +137,59 @@ pub enum Step {
     Meters(f32),
 }
 
-fn step(text: &str) -> Result<Step, String> {
+/// Meters, or `native`.
+pub fn step(text: &str) -> Result<Step, String> {
     if text == "native" { Ok(Step::Native) } else { meters(text).map(Step::Meters) }
 }
 
 impl FrameArgs {
-    /// The library's configuration.
+    /// With coder and step, those that were not said included.
+    pub fn with(&self, choice: Choice) -> Self {
+        let by_bits = self.preset.is_some() || self.bits.is_some() || self.max_range.is_some();
+        Self { choice: choice.or_default(self.preset.is_some(), by_bits), ..self.clone() }
+    }
+
+    /// The library's configuration, but for its scale where that depends on the scan.
     pub fn config(&self) -> Config {
         let preset = match self.preset {
             Some(Preset::Paper) => Config::PAPER,
             Some(Preset::Uniform) | None => Config::UNIFORM,
         };
-        let scale = match (self.step, self.max_range) {
-            (Some(Step::Meters(_)), _) if self.coder == CoderName::Context => Scale::Step { step_m: FINE_LEVEL_M },
-            (Some(Step::Meters(step_m)), _) => Scale::Step { step_m },
+        let scale = match (self.choice.fineness, self.max_range) {
+            (Some(_), _) if self.is_context() => Scale::Step { step_m: FINE_LEVEL_M },
+            (Some(Fineness::Step(Step::Meters(step_m))), _) => Scale::Step { step_m },
             (_, Some(max_range_m)) => Scale::Fixed { max_range_m },
             _ => preset.scale,
         };
-        Config { level_bits: self.bits(), scale, ..preset }
+        Config { level_bits: self.bits(), scale, companding: self.companding(), strips: self.strips, ..preset }
     }
 
     /// Bits of a range.
     pub fn bits(&self) -> u32 {
-        self.bits.unwrap_or(if self.step.is_some() { 16 } else { 8 })
+        self.bits.unwrap_or(if self.choice.fineness.is_some() { 16 } else { 8 })
     }
 
-    /// An Ouster that was asked for, to read its packets with.
-    pub fn ouster(&self) -> Result<Option<Rc<OusterSensor>>, Failure> {
-        Ok(match self.asked()? {
-            Some(Asked::Ouster(sensor)) => Some(sensor),
+    pub const fn companding(&self) -> Companding {
+        match self.companding {
+            CompandingName::None => Companding::None,
+            CompandingName::Sqrt => Companding::SquareRoot,
+        }
+    }
+
+    pub fn coder(&self) -> CoderName {
+        self.choice.coder.unwrap_or(CoderName::Context)
+    }
+
+    pub fn is_context(&self) -> bool {
+        self.coder() == CoderName::Context
+    }
+
+    /// The step, where it was said.
+    pub fn step(&self) -> Option<Step> {
+        match self.choice.fineness {
+            Some(Fineness::Step(step)) => Some(step),
             _ => None,
-        })
+        }
     }
 
     /// The sensor that was asked for; `None` where it is to be found out.
@@ -166,20 +197,29 @@ impl FrameArgs {
         if self.sensor == "auto" { Ok(None) } else { Asked::named(&self.sensor).map(Some) }
     }
 
-    /// What the context coders are to do with levels `level_m` apart, where they choose among them: those of the sensor,
-    /// where there is one.
-    pub fn context(&self, sensor_level_m: Option<f32>) -> Result<ContextSettings, String> {
-        let level_m = sensor_level_m.unwrap_or(FINE_LEVEL_M);
+    /// What the context coders are to do with levels `level_m` apart, where they choose among them.
+    pub fn context(&self, level_m: f32) -> Result<ContextSettings, String> {
         let settings = ContextSettings::of_levels(level_m);
-        let step_m = match self.step {
+        let step_m = match self.choice.fineness {
             None => return Ok(ContextSettings::COARSE),
-            Some(Step::Native) => return Ok(settings),
-            Some(Step::Meters(step_m)) => step_m,
+            Some(Fineness::Step(Step::Meters(step_m))) => step_m,
+            Some(_) => return Ok(settings),
         };
-        let levels = (step_m / level_m).round().max(1.0);
+        // Not coarser than asked for, but for the rounding of the division.
+        let levels = (step_m / level_m + 0.001).floor().max(1.0);
         let step = (levels <= f32::from(u16::MAX)).then_some(levels as u16).and_then(coder::Step::new);
         let step = step.ok_or_else(|| format!("--step {step_m}: expected at most {} m", 65535.0 * level_m))?;
         Ok(settings.with_step(step))
+    }
+}
+
+/// Distance of the levels of frames without a sensor between which the context coders step: [`FINE_LEVEL_M`], or such
+/// that 16 bits reach the farthest point and a step is a whole number of them.
+pub fn uniform_level_m(step: Option<Step>, farthest_m: f32) -> f32 {
+    let least_m = FINE_LEVEL_M.max(farthest_m / 65_000.0);
+    match step {
+        Some(Step::Meters(step_m)) if step_m > least_m => step_m / (step_m / least_m).floor(),
+        _ => least_m,
     }
 }
 
@@ -191,21 +231,31 @@ pub enum Preset {
     Uniform,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum CompandingName {
+    /// Evenly
+    #[default]
+    None,
+    /// By the square root
+    Sqrt,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CoderName {
     /// Run-length coding: the fastest that compresses
     Rle,
-    /// LZ77 and Huffman codes, as in zip: the smallest
+    /// LZ77 and Huffman codes, as in zip
     Deflate,
-    /// Made for range images: by far the smallest, and with '--step' the choice between size and error
+    /// Made for range images: by far the smallest, and the choice between size and error
     Context,
     /// No coding
     Store,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Tier {
     /// The fewest bytes
+    #[default]
     Dense,
     /// For microcontrollers: a third of the memory and time, 5 to 20 % more bytes
     Small,
@@ -218,7 +268,8 @@ pub fn word(value: &impl ValueEnum) -> String {
     value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
 }
 
-fn meters(text: &str) -> Result<f32, String> {
+/// A length.
+pub fn meters(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(meters) if meters.is_finite() && meters > 0.0 => Ok(meters),
         _ => Err("expected a positive number of meters".to_owned()),

@@ -11,6 +11,7 @@ use indicatif::ProgressBar;
 
 use crate::args::{self, Columns, FrameArgs};
 use crate::capture::CaptureArgs;
+use crate::choice::ChoicesArgs;
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::info::json;
@@ -26,12 +27,17 @@ pub struct Eval {
     /// Scans: .bin (KITTI), .xyzir.bin or .pcd; captures, every turn of them: .pcap or .pcapng
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
-    /// One JSON object a scan and column count, each on a line
+    /// One JSON object a scan and configuration, each on a line
     #[arg(long)]
     json: bool,
     /// Columns of the range image, all around; several with commas: native,2048,256 [default: native, else 4500]
     #[arg(long, value_name = "N|native,...", value_delimiter = ',', value_parser = args::columns, help_heading = "Frame")]
     columns: Vec<Columns>,
+    /// Decode as 'flicr decode --smooth' does
+    #[arg(long)]
+    smooth: bool,
+    #[command(flatten)]
+    choices: ChoicesArgs,
     #[command(flatten)]
     frame: FrameArgs,
     #[command(flatten)]
@@ -41,6 +47,9 @@ pub struct Eval {
 const EXAMPLES: &str = "\
 Measures (JSON names; a table shows the same, and medians):
   geometry, sensor  where pixels lie, and whose beams rows are (null: nobody's); why: the reason for the choice
+  coder, tier       what coded the image; tier and step_m are null where there is none
+  bits, step_m      of a level; how finely ranges are kept, where a step says it
+  range_bound_m     most that a kept point's range is off, as the frame says
   points, kept      returns of the scan (points at the origin are none), and those of them in the frame
   bytes             the whole frame, header and checksum included
   ratio_xyz, _xyzi  12 and 16 bytes for every point of the file, divided by bytes; bpp: bits for every point
@@ -54,6 +63,7 @@ Measures (JSON names; a table shows the same, and medians):
 Examples:
   flicr eval scan.bin
   flicr eval drive/*.bin --preset paper --columns 4500,4096,2048,1024,512,256
+  flicr eval drive/*.bin --tier dense,small,fast --step native,0.02,0.1
   flicr eval drive/*.bin --json --coder rle > rle.jsonl";
 
 impl Eval {
@@ -62,9 +72,9 @@ impl Eval {
         let mut codecs = self.codecs()?;
         let bar = console::progress(self.inputs.len() * codecs.len(), "measuring");
         let (mut all, mut noted) = (Vec::new(), Noted::default());
-        let ouster = self.frame.ouster()?;
+        let asked = self.frame.asked()?;
         for input in &self.inputs {
-            let mut scans = input::scans(input, &self.capture, ouster.as_deref())?;
+            let mut scans = input::scans(input, &self.capture, asked.as_ref())?;
             for scan in scans.by_ref() {
                 self.measure(&scan?, input, &mut codecs, (&bar, &mut noted), &mut all)?;
             }
@@ -73,17 +83,20 @@ impl Eval {
             }
         }
         bar.finish_and_clear();
-        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all, self.frame.bits())) }
+        if self.json { Ok(()) } else { console::line(&bar, report::tables(&all)) }
     }
 
-    /// One for each number of columns, those that are asked for twice once.
+    /// One for each number of columns, coder, tier and step; those that are asked for twice once.
     fn codecs(&self) -> Result<Vec<Codec>, Failure> {
-        if self.columns.is_empty() {
-            return Ok(vec![Codec::new(&self.frame, None)?]);
-        }
         let mut seen = BTreeSet::new();
-        let columns = self.columns.iter().filter(|&columns| seen.insert(columns));
-        columns.map(|&columns| Codec::new(&self.frame, Some(columns))).collect()
+        let mut columns: Vec<_> =
+            self.columns.iter().filter(|&columns| seen.insert(columns)).map(|&c| Some(c)).collect();
+        if columns.is_empty() {
+            columns.push(None);
+        }
+        let choices = self.choices.choices();
+        let all = columns.iter().flat_map(|&columns| choices.iter().map(move |&choice| (choice, columns)));
+        all.map(|(choice, columns)| Codec::new(&self.frame, choice, columns)).collect()
     }
 
     fn measure(
@@ -97,7 +110,7 @@ impl Eval {
         for codec in codecs {
             let plan = codec.prepare(scan).map_err(|error| Failure::data(input, error))?;
             noted.note(bar, &scan.name(input), plan);
-            let measured = measure(codec, scan, input, &self.frame)?;
+            let measured = measure(codec, scan, input, self.smooth)?;
             if self.json {
                 console::line(bar, json(&measured))?;
             }

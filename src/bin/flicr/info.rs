@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flicr::files::{self, PointCloud};
-use flicr::frame::{ColumnMode, UniformHeader};
-use flicr::geometry::sensors;
-use flicr::{Decoder, Geometry, Header, Levels, Limits, Placement, frame};
+use flicr::frame::{ColumnMode, ParsedFrame, STRIP_HEADER_LEN, UniformHeader};
+use flicr::plane::{IntensityScale, SECTION_HEADER_LEN, SectionKind};
+use flicr::{Companding, Decoder, Frame, Geometry, Header, Levels, Limits, Placement, frame};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -16,6 +16,7 @@ use crate::capture::CaptureArgs;
 use crate::failure::Failure;
 use crate::frames::FrameFile;
 use crate::input::{self, Scan};
+use crate::sensors::by_checksum;
 use crate::{console, table};
 use capture::CaptureInfo;
 
@@ -98,6 +99,7 @@ enum GeometryInfo {
         ticks: u32,
         clockwise: bool,
         range_unit_m: f32,
+        range_from_axis: bool,
         /// Bytes of the list of firings; null where columns are evenly spread.
         firings_len: Option<u16>,
         /// None where it was not measured.
@@ -121,6 +123,7 @@ impl GeometryInfo {
                 ticks: beams.ticks,
                 clockwise: beams.clockwise,
                 range_unit_m: beams.range_unit_m,
+                range_from_axis: beams.range_from_axis,
                 firings_len: firings_len(beams.column_mode),
                 point_bound_m: Some(beams.point_bound_m).filter(|bound_m| bound_m.is_finite()),
             },
@@ -156,8 +159,7 @@ const fn firings_len(mode: ColumnMode) -> Option<u16> {
 
 /// The name of a built-in sensor, else the checksum of its grid.
 fn sensor_name(sensor: u32) -> String {
-    let known = sensors::ALL.iter().find(|grid| grid.checksum() == sensor);
-    known.map_or_else(|| format!("sensor {sensor:08x}"), |grid| grid.name.to_owned())
+    by_checksum(sensor).unwrap_or_else(|| format!("sensor {sensor:08x}"))
 }
 
 #[derive(Debug, Serialize)]
@@ -171,6 +173,8 @@ struct FrameInfo {
     #[serde(flatten)]
     geometry: GeometryInfo,
     bits: u32,
+    /// Whether levels go by the square root of ranges: then the step is the first level's.
+    square_root: bool,
     step_m: f32,
     max_range_m: f32,
     range_bound_m: f32,
@@ -178,11 +182,82 @@ struct FrameInfo {
     strips: usize,
     returns: u32,
     kept: usize,
+    /// Bytes of the coded ranges.
+    ranges_len: usize,
+    sections: Vec<SectionInfo>,
+}
+
+/// What a frame carries besides ranges.
+#[derive(Debug, Serialize)]
+struct SectionInfo {
+    kind: &'static str,
+    bytes: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scale: Option<ScaleInfo>,
+    /// Frames since the key frame, 0 for one itself, and the key frame's sequence number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    since_key: Option<[u32; 2]>,
+}
+
+#[derive(Debug, Serialize)]
+struct ScaleInfo {
+    per_unit: f32,
+    step: u8,
+}
+
+impl SectionInfo {
+    /// Those of a frame, each with its head.
+    fn all(parsed: &ParsedFrame<'_>, frame: &Frame<'_>) -> Result<Vec<Self>, flicr::DecodeError> {
+        let link = parsed.link()?.map(|link| [link.distance, link.key]);
+        let info = |section: Result<(SectionKind, &[u8]), _>| {
+            section.map(|(kind, body)| Self {
+                kind: section_word(kind),
+                bytes: SECTION_HEADER_LEN + body.len(),
+                scale: frame
+                    .intensity_plane()
+                    .filter(|_| kind == SectionKind::Intensity)
+                    .map(|(_, scale)| scale.into()),
+                since_key: link.filter(|_| kind == SectionKind::Previous),
+            })
+        };
+        parsed.sections().map(info).collect()
+    }
+
+    fn text(&self) -> String {
+        let scale = self.scale.as_ref().map_or_else(String::new, |ScaleInfo { per_unit, step }| {
+            format!(" (numbers of 8 bits, {per_unit} for 1, in steps of {step})")
+        });
+        let link = self.since_key.map_or_else(String::new, |[distance, key]| match distance {
+            0 => " (a key frame)".to_owned(),
+            _ => format!(" (frame {distance} since key frame {key})"),
+        });
+        format!("{} {} bytes{scale}{link}", self.kind, group(self.bytes))
+    }
+}
+
+impl From<IntensityScale> for ScaleInfo {
+    fn from(scale: IntensityScale) -> Self {
+        Self { per_unit: scale.per_unit(), step: scale.step() }
+    }
+}
+
+const fn section_word(kind: SectionKind) -> &'static str {
+    match kind {
+        SectionKind::Intensity => "intensity",
+        SectionKind::Times => "times",
+        SectionKind::Original => "original",
+        SectionKind::Previous => "previous",
+        _ => "other",
+    }
 }
 
 impl FrameInfo {
     fn new(decoder: &mut Decoder, bytes: &[u8]) -> Result<Self, flicr::DecodeError> {
-        let strips = frame::parse(bytes)?.strips().count();
+        let parsed = frame::parse(bytes)?;
+        let (strips, ranges_len) = parsed
+            .strips()
+            .flatten()
+            .fold((0, 0), |(count, len), strip| (count + 1, len + STRIP_HEADER_LEN + strip.payload.len()));
         let frame = decoder.decode(bytes)?;
         let Header { sequence, timestamp_ns, rows, columns, quantizer, coder, returns, geometry, .. } = *frame.header();
         Ok(Self {
@@ -193,6 +268,7 @@ impl FrameInfo {
             columns,
             geometry: GeometryInfo::new(geometry),
             bits: quantizer.level_bits(),
+            square_root: quantizer.companding() == Companding::SquareRoot,
             step_m: quantizer.step_m(),
             max_range_m: quantizer.max_range_m(),
             range_bound_m: frame.header().range_bound_m(),
@@ -200,20 +276,33 @@ impl FrameInfo {
             strips,
             returns,
             kept: occupied(frame.levels()),
+            ranges_len,
+            sections: SectionInfo::all(&parsed, &frame)?,
         })
     }
 
     fn text(&self) -> String {
         let Self { place: Place { file, frame, offset, bytes }, rows, columns, coder, .. } = self;
+        let mut parts = vec![format!("ranges {} bytes", group(self.ranges_len))];
+        parts.extend(self.sections.iter().map(SectionInfo::text));
         let lines = [
             format!("{file}: frame {frame}, {} bytes from byte {}", group(*bytes), group(*offset)),
             format!("sequence {}, time {} ns", self.sequence, self.timestamp_ns),
             self.geometry.text(*rows, *columns, self.range_bound_m),
-            format!("{} bits in steps of {:.4} m, up to {:.2} m", self.bits, self.step_m, self.max_range_m),
+            self.levels_text(),
             format!("coder {coder}, strips {}", self.strips),
+            parts.join(", "),
             format!("{} returns, {} kept", group(self.returns as usize), group(self.kept)),
         ];
         lines.join("\n  ")
+    }
+}
+
+impl FrameInfo {
+    fn levels_text(&self) -> String {
+        let Self { bits, step_m, max_range_m, .. } = self;
+        let how = if self.square_root { "by the square root of ranges, the first at" } else { "in steps of" };
+        format!("{bits} bits {how} {step_m:.4} m, up to {max_range_m:.2} m")
     }
 }
 

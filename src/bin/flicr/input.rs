@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flicr::files::{self, Format, PointCloud};
-use flicr::geometry::sensors::ouster::OusterSensor;
 
 use crate::capture::{CaptureArgs, CapturedTurn, Turns};
 use crate::failure::Failure;
+use crate::sensors::Asked;
 
 /// What the reading commands say of their input.
 pub const SCAN_EXTENSIONS: &str = ".bin, .xyzir.bin, .pcd, .pcap or .pcapng";
@@ -36,7 +36,8 @@ impl Scan {
     /// The file, and the turn where it holds several.
     pub fn name(&self, file: &Path) -> String {
         match &self.turn {
-            Some(turn) => format!("{} turn {}", file.display(), turn.number),
+            Some(CapturedTurn { number, layer: 0, .. }) => format!("{} turn {number}", file.display()),
+            Some(CapturedTurn { number, .. }) => format!("{} turn {number}, other returns", file.display()),
             None => file.display().to_string(),
         }
     }
@@ -44,26 +45,35 @@ impl Scan {
 
 /// The scans of a file, one after the other: point files hold one each, captures one a turn.
 pub enum Scans {
-    Cloud(Option<PointCloud>),
+    Cloud { cloud: Option<PointCloud>, complaint: Option<String> },
     Turns { turns: Box<Turns>, args: CaptureArgs, file: PathBuf, found: usize, given: usize },
 }
 
 /// Opens a file of scans.
-pub fn scans(file: &Path, args: &CaptureArgs, ouster: Option<&OusterSensor>) -> Result<Scans, Failure> {
+pub fn scans(file: &Path, args: &CaptureArgs, asked: Option<&Asked>) -> Result<Scans, Failure> {
     check_scan_extension(file)?;
     if !is_capture(file) {
-        return Ok(Scans::Cloud(Some(files::read(file)?)));
+        let cloud = files::read(file)?;
+        let complaint = five_floats(file, &cloud).then(|| FIVE_FLOATS.to_owned());
+        return Ok(Scans::Cloud { cloud: Some(cloud), complaint });
     }
-    let turns = Box::new(Turns::open(file, args, ouster)?);
+    let turns = Box::new(Turns::open(file, args, asked)?);
     Ok(Scans::Turns { turns, args: args.clone(), file: file.into(), found: 0, given: 0 })
 }
 
+const FIVE_FLOATS: &str = "read as five floats a point (every fifth is a ring), not as KITTI's four";
+
+/// Whether a file had rings that its name does not promise.
+fn five_floats(file: &Path, cloud: &PointCloud) -> bool {
+    Format::of(file) == Some(Format::Kitti) && cloud.rings.is_some()
+}
+
 impl Scans {
-    /// What was wrong with a capture, as far as it was read.
+    /// What was wrong with a capture, as far as it was read, or unusual about a file of points.
     pub fn complaint(&self) -> Option<String> {
         match self {
             Self::Turns { turns, .. } => turns.complaint(),
-            Self::Cloud(_) => None,
+            Self::Cloud { complaint, .. } => complaint.clone(),
         }
     }
 }
@@ -73,20 +83,21 @@ impl Iterator for Scans {
 
     fn next(&mut self) -> Option<Self::Item> {
         let (turns, args, file, found, given) = match self {
-            Self::Cloud(cloud) => return cloud.take().map(|cloud| Ok(Scan { cloud, ..Scan::default() })),
+            Self::Cloud { cloud, .. } => return cloud.take().map(|cloud| Ok(Scan { cloud, ..Scan::default() })),
             Self::Turns { turns, args, file, found, given } => (turns, args, file, found, given),
         };
-        if args.turn.is_some() && *given > 0 {
-            return None;
-        }
         for scan in turns.by_ref() {
             let mut scan = match scan {
                 Ok(scan) => scan,
                 error => return Some(error),
             };
             let Some(turn) = scan.turn.as_mut().filter(|turn| turn.is_whole || args.partial) else { continue };
-            turn.number = *found;
-            *found += 1;
+            // Both layers of a turn have its number.
+            *found += usize::from(turn.layer == 0);
+            turn.number = *found - 1;
+            if args.turn.is_some_and(|wanted| wanted < turn.number) {
+                return None;
+            }
             if args.turn.is_none_or(|wanted| wanted == turn.number) {
                 *given += 1;
                 return Some(Ok(scan));

@@ -124,6 +124,9 @@ pub fn numbered(out: &Path, count: usize) -> Vec<PathBuf> {
 /// Bytes of a cloud's extension, dot included.
 fn extension_len(file: &Path) -> usize {
     match Format::of(file) {
+        Some(Format::KittiRing) if file.to_string_lossy().to_ascii_lowercase().ends_with(".pcd.bin") => {
+            ".pcd.bin".len()
+        }
         Some(Format::KittiRing) => ".xyzir.bin".len(),
         Some(_) => ".bin".len(),
         None => 0,

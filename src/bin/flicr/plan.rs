@@ -86,13 +86,17 @@ pub fn plan(scan: &Scan, asked: Option<&Asked>, columns: Option<Columns>) -> Res
     let sensors = built_in();
     let grids: Vec<_> = sensors.iter().map(|sensor| sensor.grid()).collect();
     let found = recognize_sensor(points, &grids);
-    match found.sensor {
-        Some(number) => {
-            let plan = on_sensor(&scan.cloud, sensors[number].clone(), columns, true)?;
-            Ok(Plan { why: format!("{}; {}", found.why, plan.why), ..plan })
+    if let Some(number) = found.sensor.or(found.maybe) {
+        let plan = on_sensor(&scan.cloud, sensors[number].clone(), columns, true)?;
+        // Where the places alone do not tell the sensor, the points' order must.
+        let in_order = matches!(&plan.shape, Shape::Beams { rows, .. } if !rows.is_empty());
+        if found.sensor.is_some() || in_order {
+            return Ok(Plan { why: format!("{}; {}", found.why, plan.why), ..plan });
         }
-        None => Ok(Plan { shape: Shape::Uniform { columns: count(columns) }, why: found.why }),
     }
+    // Of an Ouster, or a unit that is not quite as designed, the points alone do not tell.
+    let why = format!("{}; --sensor NAME or FILE takes its beams, `flicr calibrate` finds them", found.why);
+    Ok(Plan { shape: Shape::Uniform { columns: count(columns) }, why })
 }
 
 /// Columns where they are no firings.
@@ -110,11 +114,14 @@ fn of_turn(
     columns: Option<Columns>,
 ) -> Result<Plan, EncodeError> {
     let mut why = format!("the packets are {}'s", sensor.grid().name);
-    // Packets say whose they are; an Ouster's are read by what was asked for.
+    // Packets say whose they are; an Ouster's are read by what was asked for, and a file's beams were taken for these.
     if let Some(Asked::Grid(grid)) = asked
         && grid.grid().name != sensor.grid().name
     {
         why = format!("{why}: --sensor ({}) is not used", grid.grid().name);
+    }
+    if matches!(asked, Some(Asked::File(_))) {
+        why = format!("the packets have as many beams, ticks and the range unit of the file's {}", sensor.grid().name);
     }
     let shape = match columns {
         Some(Columns::Count(columns)) => Shape::Beams { sensor, columns, rows: Vec::new() },

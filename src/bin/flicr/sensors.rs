@@ -22,8 +22,8 @@ pub struct OwnedGrid {
 
 impl OwnedGrid {
     pub fn new(grid: &SensorGrid<'_>) -> Self {
-        let SensorGrid { name, beams, ticks, clockwise, zero_rad, range_unit_m } = *grid;
-        let rest = SensorGrid { name: "", beams: &[], ticks, clockwise, zero_rad, range_unit_m };
+        let SensorGrid { name, beams, ticks, clockwise, zero_rad, range_unit_m, range_from_axis } = *grid;
+        let rest = SensorGrid { name: "", beams: &[], ticks, clockwise, zero_rad, range_unit_m, range_from_axis };
         Self { name: name.to_owned(), beams: beams.to_vec(), rest }
     }
 
@@ -64,6 +64,18 @@ const TURNING: [(&str, &SensorGeometry); 9] = [
     ("helios16p", &robosense::HELIOS16P),
 ];
 
+/// The built-in sensor whose grid has this checksum, and the rate at which it turns where its grid depends on that.
+pub fn by_checksum(checksum: u32) -> Option<String> {
+    if let Some(grid) = sensors::ALL.iter().find(|grid| grid.checksum() == checksum) {
+        return Some(grid.name.to_owned());
+    }
+    // From the usual rates on: as far as motors are built for.
+    TURNING.iter().find_map(|(_, geometry)| {
+        let rate = (1..=2400).find(|&rate| turning(geometry, rate).grid().checksum() == checksum)?;
+        Some(format!("{} at {rate} turns a minute", turning(geometry, rate).name))
+    })
+}
+
 /// What sensors are called on the command line.
 fn names() -> String {
     let turning = TURNING.map(|(name, _)| name);
@@ -80,6 +92,8 @@ pub fn built_in() -> Vec<Rc<OwnedGrid>> {
 #[derive(Debug, Clone)]
 pub enum Asked {
     Grid(Rc<OwnedGrid>),
+    /// From a sensor file: measured on one unit, so better than the built-in numbers of its model.
+    File(Rc<OwnedGrid>),
     /// From an Ouster's metadata, which also says how to read its packets.
     Ouster(Rc<OusterSensor>),
 }
@@ -108,7 +122,7 @@ impl Asked {
 
     pub fn grid(&self) -> Rc<OwnedGrid> {
         match self {
-            Self::Grid(grid) => grid.clone(),
+            Self::Grid(grid) | Self::File(grid) => grid.clone(),
             Self::Ouster(sensor) => Rc::new(OwnedGrid::new(&sensor.grid())),
         }
     }
@@ -118,7 +132,7 @@ fn sensor_file(path: &Path) -> Result<Asked, Failure> {
     let text = fs::read_to_string(path).map_err(|error| Failure::data(path, error))?;
     let sensor = Sensor::from_toml(&text).map_err(|error| Failure::data(path, error))?;
     sensor.grid().check().map_err(|error| Failure::data(path, error))?;
-    Ok(Asked::Grid(Rc::new(OwnedGrid::new(&sensor.grid()))))
+    Ok(Asked::File(Rc::new(OwnedGrid::new(&sensor.grid()))))
 }
 
 /// An Ouster as its metadata describes it.

@@ -1,6 +1,6 @@
 //! `flicr view`: a picture of a scan and of what a frame keeps of it.
 
-mod color;
+pub mod color;
 mod range_panel;
 mod top_panel;
 
@@ -13,6 +13,7 @@ use indicatif::ProgressBar;
 use crate::args::{ColumnsArg, FrameArgs, Preset, word};
 use crate::canvas::{Area, Canvas};
 use crate::capture::CaptureArgs;
+use crate::choice::ChoiceArgs;
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::frames::FrameFile;
@@ -36,6 +37,8 @@ pub struct View {
     number: usize,
     #[command(flatten)]
     columns: ColumnsArg,
+    #[command(flatten)]
+    choice: ChoiceArgs,
     #[command(flatten)]
     frame: FrameArgs,
     #[command(flatten)]
@@ -79,9 +82,9 @@ impl View {
 
     fn of_scan(&self) -> Result<Picture, Failure> {
         input::check_scan_extension(&self.input)?;
-        let mut scans = input::scans(&self.input, &self.capture, self.frame.ouster()?.as_deref())?;
+        let mut scans = input::scans(&self.input, &self.capture, self.frame.asked()?.as_ref())?;
         let scan = scans.next().unwrap_or_else(|| Ok(input::Scan::default()))?;
-        let mut codec = Codec::new(&self.frame, self.columns.columns)?;
+        let mut codec = Codec::new(&self.frame, self.choice.choice(), self.columns.columns)?;
         let wrong = |error| Failure::data(&self.input, error);
         let plan = codec.prepare(&scan).map_err(|error| Failure::data(&self.input, error))?;
         Noted::default().note(&ProgressBar::hidden(), &scan.name(&self.input), plan);

@@ -1,8 +1,6 @@
 //! The image column by column, as the sensor fires, and which pixels of a column hold a return: sets of eight rows.
 
-#[cfg(feature = "std")]
-use crate::image::ImageViewMut;
-use crate::image::{ImageView, Level};
+use crate::image::{ImageView, ImageViewMut, Level};
 
 /// Rows of a group: the bits of its set of returns.
 pub(crate) const GROUP_ROWS: usize = 8;
@@ -25,21 +23,35 @@ impl<const GROUPS: usize> Column<GROUPS> {
         Self { levels: [[0; GROUP_ROWS]; GROUPS], sets: [0; GROUPS] }
     }
 
+    /// Finds the sets of the levels.
+    pub(crate) fn find_sets(&mut self) {
+        for (set, levels) in self.sets.iter_mut().zip(&self.levels) {
+            *set = levels.iter().rev().fold(0, |set, &level| set << 1 | u8::from(level != 0));
+        }
+    }
+
+    /// Takes all returns out.
+    #[cfg(feature = "std")]
+    pub(crate) fn clear(&mut self) {
+        *self = Self::new();
+    }
+
     /// Reads column `column`; rows beyond [`ROWS_MAX`](Self::ROWS_MAX) are left out.
-    #[inline]
+    // Not inlined: it is a loop that needs all registers of a Cortex-M.
+    #[inline(never)]
     pub(crate) fn load<L: Level>(&mut self, image: ImageView<'_, L>, column: usize) {
-        let mut pixels = image.levels().iter().skip(column).step_by(image.columns());
+        let mut pixels = image.column(column);
         for (levels, set) in self.levels.iter_mut().zip(&mut self.sets) {
-            *set = 0;
+            let mut found = 0;
             for (row, level) in levels.iter_mut().enumerate() {
-                *level = pixels.next().map_or(0, |level| level.get());
-                *set |= u8::from(*level != 0) << row;
+                *level = pixels.next().map_or(0, Level::get);
+                found |= u8::from(*level != 0) << row;
             }
+            *set = found;
         }
     }
 
     /// Writes column `column`, all rows of the image: those beyond [`ROWS_MAX`](Self::ROWS_MAX) stay as they are.
-    #[cfg(feature = "std")]
     pub(crate) fn store<L: Level>(&self, image: &mut ImageViewMut<'_, L>, column: usize) {
         let columns = image.columns();
         let pixels = image.levels().iter_mut().skip(column).step_by(columns);

@@ -13,10 +13,16 @@ const RENORMALIZE: u32 = 1 << 24;
 /// One direction of the coder. In the forward one a decision is what it is told; in the inverse one it is told
 /// nothing of use, and what it gives back counts.
 pub(crate) trait BinaryCoder {
+    /// Whether it is the inverse direction.
+    const DECODES: bool;
+
     /// One decision whose probability of being 1 is `one` / 2^16.
     fn decide(&mut self, one: u16, decision: bool) -> bool;
 
-    /// The low `bits` (0 to 16) of `value`, each as likely as not.
+    /// One decision whose probability, out of 2^16, follows what decisions were: by 2^-rate of the way.
+    fn learn(&mut self, one: &mut u16, rate: u32, decision: bool) -> bool;
+
+    /// A `value` of `bits` (0 to 16) bits, each as likely as not.
     fn raw(&mut self, bits: u32, value: u32) -> u32;
 }
 
@@ -28,11 +34,62 @@ pub(crate) struct RangeEncoder<'a> {
     len: usize,
     low: u32,
     range: u32,
+    /// Bytes before this were out at a mark.
+    marked_len: usize,
+    /// Whether a carry went into those.
+    carried: bool,
+}
+
+/// A place in the code to which an encoder can go back, or from which another can go on in the same bytes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mark {
+    len: usize,
+    low: u32,
+    range: u32,
+}
+
+impl Mark {
+    /// Nowhere: zeros.
+    pub(crate) const BLANK: Self = Self { len: 0, low: 0, range: 0 };
+
+    /// Before the first decision.
+    pub(crate) const START: Self = Self { len: 0, low: 0, range: u32::MAX };
+
+    /// Length of the code if it ended here.
+    pub(crate) const fn code_len(self) -> usize {
+        self.len + 1
+    }
 }
 
 impl<'a> RangeEncoder<'a> {
     pub(crate) fn new(out: &'a mut [u8]) -> Self {
-        Self { out, len: 0, low: 0, range: u32::MAX }
+        Self::from_mark(out, Mark::START)
+    }
+
+    /// Goes on from `mark` in `out`, which holds the code so far.
+    pub(crate) fn from_mark(out: &'a mut [u8], Mark { len, low, range }: Mark) -> Self {
+        Self { out, len, low, range, marked_len: len, carried: false }
+    }
+
+    /// The place where it stands.
+    pub(crate) const fn mark(&self) -> Mark {
+        Mark { len: self.len, low: self.low, range: self.range }
+    }
+
+    /// Forgets all since [`from_mark`](Self::from_mark) and leaves the bytes as they were.
+    ///
+    /// What was coded since is less than the range was at the mark, so that at most one carry went into the bytes before.
+    pub(crate) fn forget(self) {
+        if self.carried {
+            let written = self.marked_len.min(self.out.len());
+            for byte in self.out.iter_mut().take(written).rev() {
+                let borrows = *byte == 0;
+                *byte = byte.wrapping_sub(1);
+                if !borrows {
+                    break;
+                }
+            }
+        }
     }
 
     /// Whether bytes were dropped.
@@ -54,18 +111,9 @@ impl<'a> RangeEncoder<'a> {
         let (low, carry) = self.low.overflowing_add(offset);
         self.low = low;
         if carry {
-            self.carry();
-        }
-    }
-
-    #[cold]
-    fn carry(&mut self) {
-        let written = self.len.min(self.out.len());
-        for byte in self.out.iter_mut().take(written).rev() {
-            *byte = byte.wrapping_add(1);
-            if *byte != 0 {
-                break;
-            }
+            // By value: what the coder counts with stays in registers.
+            let reached = carry_into(self.out, self.len);
+            self.carried |= reached < self.marked_len;
         }
     }
 
@@ -87,7 +135,24 @@ impl<'a> RangeEncoder<'a> {
     }
 }
 
+/// Adds 1 to the number that ends behind `len` bytes; gives the place of the first byte that changes.
+#[cold]
+#[inline(never)]
+fn carry_into(out: &mut [u8], len: usize) -> usize {
+    let mut at = len.min(out.len());
+    while let Some(byte) = at.checked_sub(1).and_then(|before| out.get_mut(before)) {
+        at -= 1;
+        *byte = byte.wrapping_add(1);
+        if *byte != 0 {
+            break;
+        }
+    }
+    at
+}
+
 impl BinaryCoder for RangeEncoder<'_> {
+    const DECODES: bool = false;
+
     #[inline(always)]
     fn decide(&mut self, one: u16, decision: bool) -> bool {
         let part = share(self.range, one);
@@ -102,15 +167,25 @@ impl BinaryCoder for RangeEncoder<'_> {
     }
 
     #[inline(always)]
-    fn raw(&mut self, bits: u32, value: u32) -> u32 {
-        let mut left = bits;
-        while left > 0 {
-            let taken = left.min(8);
-            left -= taken;
-            self.range >>= taken;
-            self.add(self.range * (value >> left & ((1 << taken) - 1)));
-            self.renormalize();
+    fn learn(&mut self, one: &mut u16, rate: u32, decision: bool) -> bool {
+        let part = share(self.range, *one);
+        if decision {
+            self.range = part;
+            *one = more(*one, rate);
+        } else {
+            self.add(part);
+            self.range -= part;
+            *one -= *one >> rate;
         }
+        self.renormalize();
+        decision
+    }
+
+    #[inline(always)]
+    fn raw(&mut self, bits: u32, value: u32) -> u32 {
+        self.range >>= bits;
+        self.add(self.range * value);
+        self.renormalize();
         value
     }
 }
@@ -118,7 +193,13 @@ impl BinaryCoder for RangeEncoder<'_> {
 /// The part of a range that the decision 1 gets: never none, never all.
 #[inline(always)]
 fn share(range: u32, one: u16) -> u32 {
-    ((u64::from(range) * u64::from(one)) >> PROBABILITY_BITS) as u32
+    (range >> PROBABILITY_BITS) * u32::from(one)
+}
+
+/// The probability behind a 1; never all.
+#[inline(always)]
+fn more(one: u16, rate: u32) -> u16 {
+    one + (((1 << PROBABILITY_BITS) - u32::from(one)) >> rate) as u16
 }
 
 /// Bytes to decisions. Reads zeros behind the end, so that it always goes on; whether the code was as long as it should
@@ -170,6 +251,8 @@ impl<'a> RangeDecoder<'a> {
 
 #[cfg(feature = "std")]
 impl BinaryCoder for RangeDecoder<'_> {
+    const DECODES: bool = true;
+
     #[inline(always)]
     fn decide(&mut self, one: u16, _: bool) -> bool {
         let part = share(self.range, one);
@@ -185,18 +268,19 @@ impl BinaryCoder for RangeDecoder<'_> {
     }
 
     #[inline(always)]
+    fn learn(&mut self, one: &mut u16, rate: u32, decision: bool) -> bool {
+        let decision = self.decide(*one, decision);
+        *one = if decision { more(*one, rate) } else { *one - (*one >> rate) };
+        decision
+    }
+
+    #[inline(always)]
     fn raw(&mut self, bits: u32, _: u32) -> u32 {
-        let (mut left, mut value) = (bits, 0);
-        while left > 0 {
-            let taken = left.min(8);
-            left -= taken;
-            self.range >>= taken;
-            // A code that no encoder makes may lie beyond the range: then it is taken for its last value.
-            let found = (self.offset / self.range).min((1 << taken) - 1);
-            self.offset -= found * self.range;
-            value = value << taken | found;
-            self.renormalize();
-        }
+        self.range >>= bits;
+        // A code that no encoder makes may lie beyond the range: then it is taken for its last value.
+        let value = (self.offset / self.range).min((1 << bits) - 1);
+        self.offset -= value * self.range;
+        self.renormalize();
         value
     }
 }

@@ -6,9 +6,9 @@ use std::vec::Vec;
 
 use super::beam::Beams;
 use super::column::Column;
-use super::dense::{DenseModel, LOGITS};
+use super::dense::DenseModel;
 use super::range_coder::RangeEncoder;
-use super::small::{PROBABILITIES, SmallModel};
+use super::small::Counts;
 use super::walk::Model;
 use super::{ContextSettings, Step};
 use crate::image::ImageView;
@@ -21,30 +21,30 @@ pub trait Learner: Model {
     /// Makes ready for a step; each `slower` halves the rate of learning.
     fn set(&mut self, settings: ContextSettings, slower: u8);
     /// What it knows.
-    fn values(&self) -> Vec<i32>;
+    fn values(&mut self) -> Vec<i32>;
     /// A mean of values as a prior.
     fn prior(value: i32) -> i32;
 }
 
 /// The small tier's.
-pub type SmallLearner = SmallModel;
+pub type SmallLearner = Counts<true>;
 /// The dense tier's.
 pub type DenseLearner = DenseModel;
 
-impl Learner for SmallModel {
+impl Learner for SmallLearner {
     fn ignorant() -> Self {
         let mut model = Self::new();
-        model.probabilities = [1 << 15; PROBABILITIES];
+        model.probabilities().for_each(|one| *one = 1 << 15);
         model
     }
 
     fn set(&mut self, settings: ContextSettings, slower: u8) {
         self.prepare(settings.step, settings.noise);
-        self.rates = [5 + slower; 2];
+        self.set_slower(slower);
     }
 
-    fn values(&self) -> Vec<i32> {
-        self.probabilities.iter().map(|&one| one.into()).collect()
+    fn values(&mut self) -> Vec<i32> {
+        self.probabilities().map(|&mut one| one.into()).collect()
     }
 
     fn prior(value: i32) -> i32 {
@@ -55,17 +55,17 @@ impl Learner for SmallModel {
 impl Learner for DenseModel {
     fn ignorant() -> Self {
         let mut model = Self::new();
-        model.logits = [0; LOGITS];
+        model.logits().fill(0);
         model
     }
 
     fn set(&mut self, settings: ContextSettings, slower: u8) {
         self.prepare(settings.step, settings.noise);
-        self.rates = [8 + slower; 2];
+        self.rates = [256 >> slower; 2];
     }
 
-    fn values(&self) -> Vec<i32> {
-        self.logits.iter().map(|&logit| logit.into()).collect()
+    fn values(&mut self) -> Vec<i32> {
+        self.logits().iter().map(|&logit| logit.into()).collect()
     }
 
     fn prior(value: i32) -> i32 {
@@ -100,7 +100,7 @@ fn learn<M: Learner>(model: &mut M, image: ImageView<'_, u16>, step: Step, slowe
     let settings = ContextSettings::FINE.with_step(step);
     model.set(settings, slower);
     let (mut beams, mut column) = (Beams::<8>::new(), Column::new());
-    let walk = settings.walk(image.rows(), u16::MAX);
+    let walk = settings.walk::<M>(image.rows(), u16::MAX);
     let mut coder = RangeEncoder::new(out);
     for at in 0..image.columns() {
         column.load(image, at);

@@ -2,14 +2,11 @@
 //! returns, then their residuals from the top to the bottom. Which decisions there are stands here; how likely each is,
 //! a [`Model`] says.
 
-use super::beam::{Beam, Beams, Filter, decayed};
+use super::beam::{ABOVE, Beam, Beams, Filter, NEAR_ROWS, Near, NearQuad, QUAD_ROWS};
 use super::column::{Column, GROUP_ROWS};
 use super::range_coder::BinaryCoder;
-use super::step::Step;
+use super::step::{Residual, Step};
 use super::surroundings::{CalmSurroundings, Flag, GroupSurroundings, SetSurroundings, Surroundings};
-
-/// Rows that share a flag where the neighborhood is calm.
-const CALM_ROWS: usize = 4;
 
 /// What a strip says of its code besides the tier.
 #[derive(Debug, Clone, Copy)]
@@ -38,35 +35,41 @@ pub enum Predictor {
 /// Probabilities of all decisions, adapted by each. Decisions are given in the forward direction, and found in the
 /// inverse one.
 pub(crate) trait Model {
+    /// Whether it looks at ages and at what lies beside an edge.
+    const REMEMBERS: bool;
+
     /// Rows have a common flag where their mean energy is less than this.
-    const CALM_ENERGY: u32;
+    fn calm_energy(&self) -> u32;
 
     /// Whether a group's set of returns is that of the column before.
-    fn same(&mut self, coder: &mut impl BinaryCoder, at: &GroupSurroundings, decision: bool) -> bool;
+    fn same(&mut self, coder: &mut impl BinaryCoder, at: &GroupSurroundings<'_>, decision: bool) -> bool;
     /// Whether a pixel holds a return.
-    fn occupied(&mut self, coder: &mut impl BinaryCoder, at: &SetSurroundings, decision: bool) -> bool;
+    fn occupied(&mut self, coder: &mut impl BinaryCoder, at: &SetSurroundings<'_>, decision: bool) -> bool;
     /// Whether any residual of a few calm rows is not 0.
-    fn active(&mut self, coder: &mut impl BinaryCoder, at: &CalmSurroundings, decision: bool) -> bool;
+    fn active(&mut self, coder: &mut impl BinaryCoder, at: &CalmSurroundings<'_>, decision: bool) -> bool;
     /// The residual of a return.
-    fn residual(&mut self, coder: &mut impl BinaryCoder, at: &Surroundings, residual: i32) -> i32;
+    fn residual<C: BinaryCoder>(&mut self, coder: &mut C, at: &Surroundings<'_>, residual: Residual) -> Residual;
 }
 
 /// What goes down a column.
 struct Down {
-    /// Energy of the residuals so far; `None` before the first.
-    energy: Option<u16>,
     /// The last return's level; 0 before the first.
     level: u16,
-    /// What the rows' flag said; `None` where they had none.
-    active: Option<bool>,
-    /// Where the row above is a return of this column: its beam's level before.
-    north_west: Option<u16>,
+    /// What the level of the row above was before, if it is a return; 0 if it is not, or had not been seen.
+    north_west: u16,
+    /// What the flag of the four rows above said; 2 where they had none.
+    active: u8,
+    /// What is known by that of these rows.
+    flag: Flag,
 }
 
+/// For four rows without a flag.
+const NO_FLAG: u8 = 2;
+
 impl Walk {
-    /// One column: given, in the forward direction; filled in, in the inverse one. Its levels come out as the decoder
-    /// knows them.
-    #[inline]
+    /// One column: given, in the forward direction; filled in, in the inverse one, where it must be empty. Its levels come
+    /// out as the decoder knows them.
+    #[inline(always)]
     pub(crate) fn column<const GROUPS: usize>(
         &self,
         model: &mut impl Model,
@@ -75,14 +78,36 @@ impl Walk {
         column: &mut Column<GROUPS>,
     ) {
         self.sets(model, beams, coder, &mut column.sets);
-        let mut down = Down { energy: None, level: 0, active: None, north_west: None };
-        let rows = column.levels.as_flattened_mut().chunks_exact_mut(CALM_ROWS);
-        let halves = column.sets.iter().flat_map(|set| [set & 15, set >> 4]);
-        for (first, (levels, set)) in (0..self.rows).step_by(CALM_ROWS).zip(rows.zip(halves)) {
-            self.rows(model, beams, coder, &mut down, (first, set), levels);
+        let mut first = 0;
+        let mut down = Down { level: 0, north_west: 0, active: NO_FLAG, flag: Flag::NONE };
+        let mut edge = [Beam::NEW; NEAR_ROWS];
+        for (levels, &set) in column.levels.iter_mut().zip(&column.sets) {
+            let mut set = set;
+            for levels in levels.as_chunks_mut().0 {
+                let returns = set & 15;
+                if returns == 0 {
+                    (down.active, down.north_west) = (NO_FLAG, 0);
+                } else {
+                    let is_edge = first == 0 || first + QUAD_ROWS == GROUPS * GROUP_ROWS;
+                    let near = if is_edge {
+                        beams.at_edge(first, &mut edge);
+                        Some(&mut edge)
+                    } else {
+                        beams.near(first)
+                    };
+                    let Some(near) = near else { return };
+                    self.quad(model, coder, near, &mut down, (first, returns), levels);
+                    if is_edge {
+                        beams.set_at_edge(first, &edge);
+                    }
+                }
+                set >>= QUAD_ROWS;
+                first += QUAD_ROWS;
+            }
         }
     }
 
+    #[inline(always)]
     fn sets<const GROUPS: usize>(
         &self,
         model: &mut impl Model,
@@ -91,195 +116,200 @@ impl Walk {
         sets: &mut [u8; GROUPS],
     ) {
         let groups = self.rows.div_ceil(GROUP_ROWS);
-        let (mut above, mut above_west, mut same_above) = (0, 0, None);
-        for (group, set) in sets.iter_mut().enumerate().take(groups) {
-            let left = self.rows - group * GROUP_ROWS;
-            let rows = if left >= GROUP_ROWS { u8::MAX } else { (1 << left) - 1 };
-            let [west, ..] = beams.sets(group);
-            let same_before = beams.same.get(group).copied().unwrap_or_default() & 3;
-            let (eighth, energy) = (group * 8 / groups, beams.energy(group));
-            let at = GroupSurroundings { eighth, west, rows, same_before, same_above, energy };
-            let same = model.same(coder, &at, *set == west);
-            *set = if same { west } else { changed_set(model, beams, coder, (group, rows), [above, above_west], *set) };
-            (above, above_west, same_above) = (*set, west, Some(same));
-            if let Some(before) = beams.same.get_mut(group) {
-                *before = *before << 1 | u8::from(same);
+        let (mut above, mut above_west, mut same_above) = (0, 0, 2);
+        for (group, set) in sets.iter_mut().enumerate() {
+            if group * GROUP_ROWS >= self.rows {
+                break;
             }
+            let past = beams.sets[group];
+            let west = past.west();
+            let at = GroupSurroundings { group, groups, sets: past, same_above, beams: beams.group(group) };
+            if model.same(coder, &at, *set == west) {
+                *set = west;
+                beams.sets[group] = past.then(west, 1);
+                same_above = 1;
+            } else {
+                let below_west = beams.sets.get(group + 1).map_or(0, |below| below.west());
+                let rows = (self.rows - group * GROUP_ROWS).min(GROUP_ROWS);
+                *set = changed_set(model, coder, &at, [above, above_west, below_west], rows, *set);
+                beams.sets[group] = past.then(*set, 0);
+                same_above = 0;
+            }
+            (above, above_west) = (*set, west);
         }
-        beams.shift_sets(sets);
     }
 
-    /// A few rows, of which `set` are returns.
+    /// Four rows from `first` on, of which those in `set` are returns.
     #[inline(always)]
-    fn rows<M: Model, const GROUPS: usize>(
+    fn quad<M: Model>(
         &self,
         model: &mut M,
-        beams: &mut Beams<GROUPS>,
         coder: &mut impl BinaryCoder,
+        near: &mut NearQuad,
         down: &mut Down,
         (first, set): (usize, u8),
-        levels: &mut [u16],
+        levels: &mut [u16; QUAD_ROWS],
     ) {
-        let active_above = down.active.take();
-        if set == 0 {
-            down.north_west = None;
-            levels.fill(0);
-            return;
-        }
-        let mut flag = Flag::None;
+        let active_above = core::mem::replace(&mut down.active, NO_FLAG);
+        down.flag = Flag::NONE;
         // What a median predicts is known only when the rows above are.
-        let may_be_calm = self.predictor == Predictor::West && M::CALM_ENERGY > 0;
-        if let Some(at) = calm(beams, may_be_calm.then_some(M::CALM_ENERGY), active_above, (first, set)) {
-            let is_active = |(row, &level): (usize, &u16)| {
-                level != 0 && self.step.residual(level, beams.get(first + row).predicted) != 0
-            };
-            let active = model.active(coder, &at, levels.iter().enumerate().any(is_active));
-            down.active = Some(active);
-            flag = if active { Flag::Open } else { Flag::Calm };
+        if self.predictor == Predictor::West
+            && let Some(at) = calm(near, model.calm_energy(), active_above, set)
+        {
+            let active = model.active(coder, &at, self.is_active(near, set, *levels));
+            down.active = u8::from(active);
+            if !active {
+                return self.calm_rows::<M>(near, down, set, levels);
+            }
+            down.flag = Flag::OPEN;
         }
-        for (row, level) in levels.iter_mut().enumerate() {
-            if set >> row & 1 == 0 {
-                *level = 0;
-                down.north_west = None;
-                continue;
+        let (mut set, mut rows, mut row) = (set, near.as_mut_slice(), first);
+        for level in levels {
+            let Some(near) = rows.first_chunk_mut() else { return };
+            if set & 1 == 0 {
+                down.north_west = 0;
+            } else {
+                self.pixel(model, coder, near, down, (row, set == 1), level);
             }
-            if flag == Flag::Open && set >> row == 1 {
-                flag = Flag::Due;
-            }
-            let residual = self.pixel(model, beams, coder, down, (first + row, flag), level);
-            if flag == Flag::Open && residual != 0 {
-                flag = Flag::Seen;
-            }
+            let Some(rest) = rows.get_mut(1..) else { return };
+            (set, rows, row) = (set >> 1, rest, row + 1);
+        }
+    }
+
+    /// Whether a residual of four rows, each predicted by its own beam, is not 0.
+    #[inline(always)]
+    fn is_active(&self, near: &NearQuad, set: u8, levels: [u16; QUAD_ROWS]) -> bool {
+        let is_off = |lane: usize| self.step.is_off(levels[lane], near[ABOVE + lane].predicted);
+        if set == 15 {
+            return is_off(0) || is_off(1) || is_off(2) || is_off(3);
+        }
+        (0..QUAD_ROWS).any(|lane| set >> lane & 1 == 1 && is_off(lane))
+    }
+
+    /// Four rows whose residuals are 0.
+    #[inline(always)]
+    fn calm_rows<M: Model>(&self, near: &mut NearQuad, down: &mut Down, set: u8, levels: &mut [u16; QUAD_ROWS]) {
+        let follows_slopes = self.filter.follows_slopes();
+        let stay = |lane: usize| {
+            let beam = &mut near[ABOVE + lane];
+            beam.stay(M::REMEMBERS, follows_slopes, &self.filter);
+            down.level = beam.level;
+            levels[lane] = beam.level;
+        };
+        if set == 15 && !follows_slopes {
+            (0..QUAD_ROWS).for_each(stay);
+        } else {
+            (0..QUAD_ROWS).filter(|lane| set >> lane & 1 == 1).for_each(stay);
         }
     }
 
     /// A return.
     #[inline(always)]
-    fn pixel<const GROUPS: usize>(
+    fn pixel<M: Model>(
         &self,
-        model: &mut impl Model,
-        beams: &mut Beams<GROUPS>,
+        model: &mut M,
         coder: &mut impl BinaryCoder,
+        near: &mut Near,
         down: &mut Down,
-        (row, flag): (usize, Flag),
+        (row, is_last): (usize, bool),
         level: &mut u16,
-    ) -> i32 {
-        let (own, north) = (beams.get(row), beams.get(row.wrapping_sub(1)));
-        let predicted = self.predicted(own, north, down);
-        let column_energy = down.energy.unwrap_or(own.energy);
-        let residual = if flag == Flag::Calm {
-            0
+    ) {
+        let west = near[ABOVE].level;
+        if near[ABOVE].predicted == 0 || self.predictor == Predictor::MedianEdge {
+            near[ABOVE].predicted = predicted(&near[ABOVE], &near[ABOVE - 1], down.level, down.north_west);
+        }
+        let at = Surroundings { row, rows: self.rows, near, flag: down.flag, is_last };
+        let residual = model.residual(coder, &at, self.step.residual(*level, at.predicted()));
+        let own = &mut near[ABOVE];
+        if residual.distance == 0 {
+            own.stay(M::REMEMBERS, self.filter.follows_slopes(), &self.filter);
         } else {
-            let at = Surroundings {
-                quarter: row * 4 / self.rows,
-                predicted,
-                own,
-                north,
-                north2: beams.get(row.wrapping_sub(2)),
-                south_west: beams.get(row + 1),
-                south_west2: beams.get(row + 2),
-                column_energy,
-                flag,
-            };
-            model.residual(coder, &at, self.step.residual(*level, predicted))
-        };
-        *level = self.step.level(residual, predicted, self.max_level);
-        if let Some(beam) = beams.get_mut(row) {
-            beam.update(residual, predicted, *level, &self.filter);
+            down.flag.see();
+            let level = self.step.level(residual, own.predicted, self.max_level);
+            own.update(M::REMEMBERS, residual, level, &self.filter);
         }
-        down.energy = Some(decayed(column_energy, residual));
-        down.level = *level;
-        down.north_west = Some(own.level);
-        residual
+        *level = own.level;
+        (down.level, down.north_west) = (own.level, west);
     }
+}
 
-    #[inline(always)]
-    fn predicted(&self, own: Beam, north: Beam, down: &Down) -> u16 {
-        if own.level == 0 {
-            return down.level.max(1);
-        }
-        match (self.predictor, down.north_west) {
-            (Predictor::MedianEdge, Some(north_west)) if north_west != 0 => {
-                median_edge(own.level, north.level, north_west)
-            }
-            _ => own.predicted,
-        }
+/// The prediction where it is not just the beam's own: a level.
+#[cold]
+#[inline(never)]
+fn predicted(own: &Beam, north: &Beam, last: u16, north_west: u16) -> u16 {
+    if own.level == 0 {
+        last.max(1)
+    } else if north_west == 0 {
+        own.predicted
+    } else {
+        median_edge(own.level, north.level, north_west)
     }
 }
 
 fn median_edge(west: u16, north: u16, north_west: u16) -> u16 {
     let plane = i32::from(west) + i32::from(north) - i32::from(north_west);
-    plane.clamp(i32::from(west.min(north)), i32::from(west.max(north))) as u16
+    plane.max(west.min(north).into()).min(west.max(north).into()) as u16
 }
 
-/// What surrounds the flag of a few rows; `None` where they have none: those that are not calm, and those that would
-/// not be predicted from themselves.
+/// What surrounds the flag of a few rows; `None` where they have none: those that are not calm. Those that were never
+/// seen are not, for their energy is the one that beams start with.
 #[inline(always)]
-fn calm<const GROUPS: usize>(
-    beams: &Beams<GROUPS>,
-    most_energy: Option<u32>,
-    active_above: Option<bool>,
-    (first, set): (usize, u8),
-) -> Option<CalmSurroundings> {
-    let returns = set.count_ones();
-    let most_energy = most_energy.filter(|_| returns >= 2)?;
-    let mut energy = 0;
-    for row in 0..CALM_ROWS {
-        let beam = beams.get(first + row);
-        if set >> row & 1 == 1 {
-            if beam.level == 0 {
-                return None;
-            }
-            energy += u32::from(beam.energy);
+fn calm(near: &NearQuad, most_energy: u32, active_above: u8, set: u8) -> Option<CalmSurroundings<'_>> {
+    let energy_of = |lane: usize| u32::from(near[ABOVE + lane].energy);
+    let energy = if set == 15 {
+        (energy_of(0) + energy_of(1) + energy_of(2) + energy_of(3)) / 4
+    } else {
+        // More than one of four bits.
+        if set & set.wrapping_sub(1) == 0 {
+            return None;
         }
-    }
-    let calm = energy < most_energy * returns;
-    let moved = |row: usize| beams.get(row).size != 0;
-    calm.then(|| CalmSurroundings {
+        let energies = (0..QUAD_ROWS).filter(|lane| set >> lane & 1 == 1).map(energy_of);
+        energies.sum::<u32>().checked_div(set.count_ones())?
+    };
+    (energy < most_energy).then(|| CalmSurroundings {
+        near,
+        set,
         energy,
-        returns,
         active_above,
-        north: moved(first.wrapping_sub(1)),
-        south_west: moved(first + CALM_ROWS),
+        north: near[ABOVE - 1].size != 0,
+        south_west: near[ABOVE + QUAD_ROWS].size != 0,
     })
 }
 
-/// The set of a group, known not to be that of the column before. `above` are the sets of the group above in this
-/// column and the last.
-fn changed_set<const GROUPS: usize>(
+/// The set of a group, known not to be that of the column before. `around` are the sets of the group above in this
+/// column and the last, and that of the group below in the last.
+#[inline(always)]
+fn changed_set(
     model: &mut impl Model,
-    beams: &Beams<GROUPS>,
     coder: &mut impl BinaryCoder,
-    (group, rows): (usize, u8),
-    above: [u8; 2],
+    group: &GroupSurroundings<'_>,
+    [above, above_west, below_west]: [u8; 3],
+    rows: usize,
     set: u8,
 ) -> u8 {
-    let [west, west2, west3] = beams.sets(group);
-    let [below_west, ..] = beams.sets(group + 1);
-    let [north, north_west] = above.map(u16::from);
-    // Eight rows and the two above them, the highest in bit 0; eight rows and the one below.
-    let north_west = u16::from(west) << 2 | north_west >> 6;
-    let south_west = u16::from(below_west) << 8 | u16::from(west);
-    let (mut found, mut changed) = (0, false);
-    for row in 0..rows.count_ones() {
-        let bit = |set: u8| set >> row & 1 == 1;
-        let down = u16::from(found) << 2 | north >> 6;
-        let at = SetSurroundings {
-            west: bit(west),
-            west2: bit(west2),
-            west3: bit(west3),
-            north: down >> (row + 1) & 1 == 1,
-            north2: down >> row & 1 == 1,
-            north_west: north_west >> (row + 1) & 1 == 1,
-            south_west: south_west >> (row + 1) & 1 == 1,
-            changed,
-            energy: beams.get(group * GROUP_ROWS + row as usize).energy,
-        };
+    let [west, west2, west3] = group.sets.last().map(u32::from);
+    let below = u32::from(below_west) << 8 | west;
+    // Of each, what is behind the row; of this column, what was before it.
+    let mut at = SetSurroundings {
+        west,
+        west2,
+        west3,
+        south_west: below >> 1,
+        north: u32::from(above >> 7) | u32::from(above >> 6 & 1) << 1,
+        north_west: west << 1 | u32::from(above_west) >> 7,
+        changed: false,
+        beam: &Beam::NEW,
+    };
+    let (mut found, mut set) = (0, u32::from(set));
+    for row in 0..rows {
+        at.beam = group.beams.get(row).unwrap_or(&Beam::NEW);
         // Where only the last pixel can have changed, it has.
-        let is_known = rows >> row == 1 && !changed;
-        let occupied = if is_known { !at.west } else { model.occupied(coder, &at, bit(set)) };
-        found |= u8::from(occupied) << row;
-        changed |= at.west != occupied;
+        let is_known = row + 1 == rows && !at.changed;
+        let occupied = if is_known { !at.is_west() } else { model.occupied(coder, &at, set & 1 == 1) };
+        at.changed |= at.is_west() != occupied;
+        found |= u32::from(occupied) << row;
+        at.go_down(occupied);
+        set >>= 1;
     }
-    found
+    found as u8
 }

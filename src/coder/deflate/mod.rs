@@ -77,7 +77,8 @@ impl<const SHORT: usize, const LONG: usize, const WAYS: usize, const SEQUENCES: 
     };
 
     /// A stored block costs five bytes. One byte is taken off its length for the empty block that may come last.
-    const BOUND: WorstCase = WorstCase { bytes_per_level: 1, block_len: Self::MIN_BLOCK_LEN - 1, bytes_per_block: 5 };
+    const BOUND: WorstCase =
+        WorstCase { bytes_per_level: 1, block_len: Self::MIN_BLOCK_LEN - 1, bytes_per_block: 5, gathers: true };
 
     /// A coder; all zeros.
     #[must_use]
@@ -134,6 +135,7 @@ impl<L: Level, const SHORT: usize, const LONG: usize, const WAYS: usize, const S
     const WORST_CASE: WorstCase = WorstCase { bytes_per_level: size_of::<L>(), ..Self::BOUND };
 
     fn encode(&mut self, image: ImageView<'_, L>, out: &mut [u8]) -> Result<usize, OutputFull> {
-        self.encode_bytes(image.bytes(), image.columns() * size_of::<L>(), out)
+        let (levels, out) = image.gathered(out).ok_or(OutputFull)?;
+        self.encode_bytes(bytemuck::cast_slice(levels), image.columns() * size_of::<L>(), out)
     }
 }

@@ -52,14 +52,20 @@ impl<'a, const LINES: usize, const WORDS: usize, const NODES: usize> FiringLatti
         (mark | (row * columns + column), off)
     }
 
-    /// The column of a return; `None` where the sensor has no such tick.
-    pub(crate) fn column(&self, row: u16, tick: u32) -> Option<u32> {
+    /// Columns by which a row's firings are moved on.
+    pub(crate) fn shift(&self, row: usize) -> usize {
+        self.shifts.get(row).copied().unwrap_or(0).into()
+    }
+
+    /// The column of a return, and how many ticks its firing is away; `None` where the sensor has no such tick.
+    pub(crate) fn column(&self, row: u16, tick: u32) -> Option<(u32, u32)> {
         let (ticks, columns) = (self.firings.ticks(), u32::from(self.firings.len()));
         if tick >= ticks {
             return None;
         }
         // Below both numbers: no product is beyond that of rows and ticks.
-        Some(self.pixel(u32::from(row) * ticks + tick).0 % columns.max(1))
+        let (pixel, off) = self.pixel(u32::from(row) * ticks + tick);
+        Some((pixel % columns.max(1), off))
     }
 
     /// How many ticks each point of a block is away from the firing that it goes to.

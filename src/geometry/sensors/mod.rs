@@ -62,7 +62,15 @@ impl SensorGeometry {
     #[must_use]
     pub const fn grid_of<'a>(&self, beams: &'a [Beam]) -> SensorGrid<'a> {
         let Spin { ticks_per_turn, clockwise, zero_rad, range_unit_m, .. } = self.spin;
-        SensorGrid { name: self.name, beams, ticks: ticks_per_turn, clockwise, zero_rad, range_unit_m }
+        SensorGrid {
+            name: self.name,
+            beams,
+            ticks: ticks_per_turn,
+            clockwise,
+            zero_rad,
+            range_unit_m,
+            range_from_axis: false,
+        }
     }
 
     /// The beams as they look while the sensor makes `turns_per_minute`: each further on by what the sensor turns from

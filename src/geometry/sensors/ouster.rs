@@ -5,7 +5,7 @@
 //! user manual, "Coordinate Frames and XYZ Calculation".
 
 use super::{Beam, SensorGrid, Spin};
-use crate::packet::{MAX_ROWS, OusterFormat, OusterProfile};
+use crate::packet::{MAX_COLUMNS, MAX_ROWS, OusterFormat, OusterProfile};
 use serde_json::Value;
 use std::{fmt, string::String, vec::Vec};
 
@@ -14,6 +14,8 @@ use std::{fmt, string::String, vec::Vec};
 pub struct OusterSensor {
     /// Product line, such as `OS-1-128`.
     pub name: String,
+    /// Serial number (`prod_sn`), where the metadata say it: packets but for legacy ones carry it too.
+    pub serial_number: Option<u64>,
     /// How its packets are packed.
     pub format: OusterFormat,
     /// How its columns lie.
@@ -72,6 +74,7 @@ impl OusterSensor {
         let rows = usize::from(format.rows);
         Ok(Self {
             name: metadata.get("prod_line")?.as_str().unwrap_or("OS").into(),
+            serial_number: metadata.get("prod_sn").ok().and_then(serial_number),
             format,
             spin: metadata.spin(&format)?,
             beams: metadata.beams(rows)?,
@@ -86,8 +89,13 @@ impl OusterSensor {
     pub fn grid(&self) -> SensorGrid<'_> {
         let Spin { ticks_per_turn, clockwise, zero_rad, range_unit_m, .. } = self.spin;
         let (name, beams) = (self.name.as_str(), self.beams.as_slice());
-        SensorGrid { name, beams, ticks: ticks_per_turn, clockwise, zero_rad, range_unit_m }
+        SensorGrid { name, beams, ticks: ticks_per_turn, clockwise, zero_rad, range_unit_m, range_from_axis: false }
     }
+}
+
+/// Written as text, for the most part.
+fn serial_number(value: &Value) -> Option<u64> {
+    value.as_u64().or_else(|| value.as_str()?.parse().ok())
 }
 
 struct Metadata<'j>(&'j Value);
@@ -123,19 +131,33 @@ impl<'j> Metadata<'j> {
         let profile = OusterProfile::from_name(name).ok_or_else(|| OusterMetadataError::Profile(name.into()))?;
         let rows: u8 = self.integer("pixels_per_column")?;
         let columns: u16 = self.integer("columns_per_frame")?;
-        let window = self.list("column_window", 2)?;
         let packet: u8 = self.integer("columns_per_packet")?;
         if rows == 0 || usize::from(rows) > MAX_ROWS {
             return Err(OusterMetadataError::Field("pixels_per_column"));
         }
-        if columns == 0 {
+        if columns == 0 || columns > MAX_COLUMNS {
             return Err(OusterMetadataError::Field("columns_per_frame"));
+        }
+        if packet == 0 || u16::from(packet) > columns {
+            return Err(OusterMetadataError::Field("columns_per_packet"));
         }
         Ok(OusterFormat {
             columns_per_packet: packet,
-            window: [window[0] as u16, window[1] as u16],
+            window: self.window(columns)?,
             ..OusterFormat::new(profile, rows, columns)
         })
+    }
+
+    /// The first and the last column that the sensor sends.
+    fn window(&self, columns: u16) -> Result<[u16; 2], OusterMetadataError> {
+        const FIELD: &str = "column_window";
+        let ends = self.list(FIELD, 2)?;
+        let is_column = |&end: &f64| end.fract() == 0.0 && (0.0..f64::from(columns)).contains(&end);
+        if ends.iter().all(is_column) {
+            Ok([ends[0] as u16, ends[1] as u16])
+        } else {
+            Err(OusterMetadataError::Field(FIELD))
+        }
     }
 
     /// The frame: the sensor's transform is a turn about z and a lift.
@@ -189,5 +211,53 @@ fn beam(elevation_deg: f64, azimuth_deg: f64, lens_m: f64, lift_m: f64) -> Beam 
         h_offset_m: aside as f32,
         azimuth_phase_rad: phase as f32,
         range_phase_m: range_phase_m as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+    use std::string::ToString as _;
+
+    fn metadata() -> Value {
+        json!({
+            "prod_line": "OS-1-2",
+            "lidar_origin_to_beam_origin_mm": 15.8,
+            "lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.2, 0, 0, 0, 1],
+            "beam_altitude_angles": [10.0, -10.0],
+            "beam_azimuth_angles": [3.0, -3.0],
+            "data_format": {
+                "udp_profile_lidar": "RNG15_RFL8_NIR8",
+                "pixels_per_column": 2,
+                "columns_per_frame": 1024,
+                "columns_per_packet": 16,
+                "column_window": [1000, 23],
+                "pixel_shift_by_row": [12, -12]
+            }
+        })
+    }
+
+    #[test]
+    fn formats_that_no_packet_can_have_are_refused() {
+        let good = OusterSensor::from_json(&metadata().to_string()).expect("good metadata");
+        assert_eq!((good.format.columns_per_packet, good.format.window), (16, [1000, 23]));
+        for (field, wrong) in [
+            ("pixels_per_column", json!(0)),
+            ("pixels_per_column", json!(129)),
+            ("columns_per_frame", json!(0)),
+            ("columns_per_frame", json!(8193)),
+            ("columns_per_packet", json!(0)),
+            ("columns_per_packet", json!(256)),
+            ("column_window", json!([0, 1024])),
+            ("column_window", json!([-1, 1023])),
+            ("column_window", json!([0.5, 1023])),
+            ("column_window", json!([0, "1023"])),
+        ] {
+            let mut metadata = metadata();
+            metadata["data_format"][field] = wrong.clone();
+            let refused = OusterSensor::from_json(&metadata.to_string());
+            assert!(matches!(refused, Err(OusterMetadataError::Field(name)) if name == field), "{field} {wrong}");
+        }
     }
 }

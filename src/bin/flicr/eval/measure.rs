@@ -8,7 +8,7 @@ use flicr::metrics::{self, EpsnrParameters, PAPER_MAX_RANGE_M, Quality};
 use flicr::{Decoder, Encoded, Limits, Stamp};
 use serde::Serialize;
 
-use crate::args::{FrameArgs, word};
+use crate::args::word;
 use crate::codec::Codec;
 use crate::failure::Failure;
 use crate::input::Scan;
@@ -32,6 +32,10 @@ pub struct Measured {
     pub columns: usize,
     pub rows: usize,
     pub coder: String,
+    pub tier: Option<String>,
+    pub bits: u32,
+    pub step_m: Option<f32>,
+    pub range_bound_m: f32,
     pub points: u32,
     pub kept: u32,
     pub bytes: usize,
@@ -50,15 +54,19 @@ pub struct Measured {
 }
 
 /// Encodes, decodes and compares.
-pub fn measure(codec: &mut Codec, scan: &Scan, file: &Path, args: &FrameArgs) -> Result<Measured, Failure> {
+pub fn measure(codec: &mut Codec, scan: &Scan, file: &Path, smooth: bool) -> Result<Measured, Failure> {
     let (encoded, encode_ns) = fastest(|| codec.encode(scan, Stamp::default()));
     let encoded = encoded.map_err(|error| Failure::data(file, error))?;
     let mut decoder = Decoder::new(Limits::default());
     let mut points = Vec::new();
-    let (result, decode_ns) = fastest(|| decoder.decode(codec.frame()).map(|frame| frame.points_into(&mut points)));
+    let (result, decode_ns) = fastest(|| {
+        decoder
+            .decode(codec.frame())
+            .map(|frame| if smooth { points = frame.smooth_points() } else { frame.points_into(&mut points) })
+    });
     result.map_err(|error| Failure::data(file, error))?;
     let (se, epsnr_db, quality) = compare(scan, &points, &encoded).map_err(|error| Failure::data(file, error))?;
-    let Plan { shape, why } = codec.plan();
+    let (Plan { shape, why }, args) = (codec.plan(), codec.args());
     let sensor = shape.sensor();
     let (bytes, points_in_file) = (encoded.len as f64, scan.cloud.points.len() as f64);
     Ok(Measured {
@@ -70,7 +78,11 @@ pub fn measure(codec: &mut Codec, scan: &Scan, file: &Path, args: &FrameArgs) ->
         columns_asked: codec.columns_asked(),
         columns: shape.columns(),
         rows: sensor.map_or(args.rows.into(), |sensor| sensor.grid().beams.len()),
-        coder: word(&args.coder),
+        coder: word(&args.coder()),
+        tier: args.is_context().then(|| word(&args.choice.tier)),
+        bits: args.bits(),
+        step_m: codec.step_m(),
+        range_bound_m: encoded.range_bound_m,
         points: encoded.tally.returns(),
         kept: encoded.tally.kept(),
         bytes: encoded.len,

@@ -35,7 +35,7 @@ impl Figure {
 }
 
 /// A table for each geometry and number of columns, in the order in which they were measured.
-pub fn tables(all: &[Measured], bits: u32) -> String {
+pub fn tables(all: &[Measured]) -> String {
     let mut kinds: Vec<Kind<'_>> = Vec::new();
     for measured in all {
         if !kinds.contains(&kind(measured)) {
@@ -44,21 +44,28 @@ pub fn tables(all: &[Measured], bits: u32) -> String {
     }
     let of = |wanted: &Kind<'_>| {
         let some: Vec<&Measured> = all.iter().filter(|measured| kind(measured) == *wanted).collect();
-        one_table(&some, bits)
+        one_table(&some)
     };
     kinds.iter().map(of).collect::<Vec<_>>().join("\n\n")
 }
 
-/// Sensor, geometry and columns as asked for: firings differ from turn to turn.
-type Kind<'a> = (Option<&'a str>, &'a str, &'a str);
+/// Sensor, geometry and columns as asked for (firings differ from turn to turn), coder and step.
+type Kind<'a> = (Option<&'a str>, &'a str, &'a str, String);
 
 fn kind(measured: &Measured) -> Kind<'_> {
-    (measured.sensor.as_deref(), measured.geometry, &measured.columns_asked)
+    (measured.sensor.as_deref(), measured.geometry, &measured.columns_asked, coding(measured))
 }
 
-fn one_table(all: &[&Measured], bits: u32) -> String {
+/// `16 bits, context dense, step 0.02 m`.
+fn coding(measured: &Measured) -> String {
+    let tier = measured.tier.as_ref().map_or_else(String::new, |tier| format!(" {tier}"));
+    let step = measured.step_m.map_or_else(String::new, |step_m| format!(", step {step_m:.3} m"));
+    format!("{} bits, {}{tier}{step}", measured.bits, measured.coder)
+}
+
+fn one_table(all: &[&Measured]) -> String {
     let Some(first) = all.first() else { return String::new() };
-    let Measured { preset, geometry, sensor, columns, rows, coder, .. } = first;
+    let Measured { preset, geometry, sensor, columns, rows, .. } = first;
     let geometry = match sensor {
         Some(sensor) => format!("{sensor}, {geometry}"),
         None if preset == "paper" => preset.clone(),
@@ -72,7 +79,7 @@ fn one_table(all: &[&Measured], bits: u32) -> String {
         lines.push(medians(all));
     }
     let table = table::aligned(&headings, &lines);
-    format!("{geometry}, {columns} x {rows}, {bits} bits, {coder}\n{table}")
+    format!("{geometry}, {columns} x {rows}, {}\n{table}", coding(first))
 }
 
 fn line(measured: &Measured) -> Vec<String> {

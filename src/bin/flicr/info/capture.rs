@@ -29,6 +29,8 @@ struct TurnInfo {
     timestamp_ns: u64,
     firings: usize,
     missing: u16,
+    /// Those of the missing columns in which the sensor is told not to measure.
+    blind: u16,
     returns: usize,
 }
 
@@ -45,9 +47,10 @@ impl CaptureInfo {
                 timestamp_ns: scan.timestamp_ns,
                 firings: turn.ticks.len(),
                 missing: turn.missing,
+                blind: turn.blind,
                 returns: turn.returns.len(),
             });
-            whole += usize::from(turn.is_whole);
+            whole += usize::from(turn.is_whole && turn.layer == 0);
         }
         let stats = opened.stats();
         Ok(Self {
@@ -78,9 +81,13 @@ impl CaptureInfo {
 
 impl TurnInfo {
     fn text(&self) -> String {
-        let Self { turn, timestamp_ns, firings, missing, returns } = self;
+        let Self { turn, timestamp_ns, firings, missing, blind, returns } = self;
         let name = turn.map_or_else(|| "cut turn".to_owned(), |turn| format!("turn {turn}"));
         let (firings, returns) = (group(*firings), group(*returns));
-        format!("{name}: {firings} firings, {missing} columns missing, {returns} returns, time {timestamp_ns} ns")
+        let missing = match blind {
+            0 => format!("{missing} columns missing"),
+            _ => format!("{} columns missing, {blind} not measured", missing.saturating_sub(*blind)),
+        };
+        format!("{name}: {firings} firings, {missing}, {returns} returns, time {timestamp_ns} ns")
     }
 }

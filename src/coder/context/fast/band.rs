@@ -333,8 +333,9 @@ mod tests {
                 for level in spread(397) {
                     for predicted in spread(1009) {
                         let (steps, negative) = scale.residual(level, predicted);
-                        let residual = if negative == 1 { -i32::from(steps) } else { steps.into() };
-                        assert_eq!(residual, step.residual(level, predicted), "{step:?} {level} {predicted}");
+                        let residual = step.residual(level, predicted);
+                        assert_eq!(u32::from(steps), residual.distance, "{step:?} {level} {predicted}");
+                        assert!(steps == 0 || (negative == 1) == residual.is_negative, "{step:?} {level} {predicted}");
                         let decoded = scale.level(predicted, steps, negative);
                         assert_eq!(decoded, step.level(residual, predicted, u16::MAX), "{step:?} {level} {predicted}");
                         assert!(decoded.abs_diff(level) <= step.error_max());

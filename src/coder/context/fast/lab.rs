@@ -45,7 +45,7 @@ pub const fn raw_bits(symbol: usize) -> u32 {
 /// Where it is malformed.
 pub fn decode<L: Level>(payload: &[u8], rows: usize, levels: &mut [L]) -> Result<(), PayloadFault> {
     let max_level = ((1_u32 << L::BITS) - 1) as u16;
-    super::super::decode(payload, rows, levels, Allowed { max_level, error_max: u16::MAX })
+    super::super::decode(payload, rows, levels, Allowed { max_level, error_max: u16::MAX }, None)
 }
 
 /// How often each symbol comes in each cell, and each nibble in each context.

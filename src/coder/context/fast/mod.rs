@@ -93,7 +93,7 @@ impl<const BANDS: usize, const GROUPS: usize> Fast<BANDS, GROUPS> {
 
     /// The payload; [`OutputFull`] where it does not fit.
     fn code<L: Level>(&mut self, image: ImageView<'_, L>, out: &mut [u8]) -> Result<usize, OutputFull> {
-        let max_level = image.levels().iter().fold(1, |most, level| level.get().max(most));
+        let max_level = image.max_level().max(1);
         let settings = ContextSettings { predictor: Predictor::West, ..self.settings };
         let (prefix, code) = out.split_first_chunk_mut::<PREFIX_LEN>().ok_or(OutputFull)?;
         *prefix = settings.prefix(TIER, max_level);
@@ -110,7 +110,7 @@ impl<L: Level, const BANDS: usize, const GROUPS: usize> Coder<L> for Fast<BANDS,
     const ID: CoderId = CoderId::Context;
 
     const WORST_CASE: WorstCase =
-        WorstCase { bytes_per_level: size_of::<L>(), block_len: 1 << 30, bytes_per_block: PREFIX_LEN };
+        WorstCase { bytes_per_level: size_of::<L>(), block_len: 1 << 30, bytes_per_block: PREFIX_LEN, gathers: false };
 
     const ROWS_MAX: usize = ROWS * BANDS;
 
@@ -124,7 +124,7 @@ impl<L: Level, const BANDS: usize, const GROUPS: usize> Coder<L> for Fast<BANDS,
         if image.rows() > <Self as Coder<L>>::ROWS_MAX {
             return Err(OutputFull);
         }
-        let most = out.len().min(PREFIX_LEN + image.bytes().len());
+        let most = out.len().min(PREFIX_LEN + image.pixels() * size_of::<L>());
         match self.code(image, out.get_mut(..most).ok_or(OutputFull)?) {
             Ok(len) => Ok(len),
             Err(OutputFull) => super::store(image, out),

@@ -14,7 +14,7 @@ pub(crate) type Tile = [Lanes; COLUMNS];
 /// Reads the columns from `column` of the band that begins at row `first`; rows beyond the image are empty.
 pub(crate) fn load<L: Level>(image: ImageView<'_, L>, first: usize, column: usize, tile: &mut Tile) {
     let width = COLUMNS.min(image.columns() - column);
-    let mut rows = image.levels().chunks_exact(image.columns()).skip(first);
+    let mut rows = image.row_levels().skip(first);
     for row in 0..ROWS {
         let levels = rows.next().and_then(|row| row.get(column..column + width)).unwrap_or(&[]);
         for (lanes, level) in tile.iter_mut().zip(levels) {
