@@ -79,6 +79,12 @@ fn main() -> ExitCode {
         let skip = skip || scan.is_none();
         trials.push(Trial::test(name("real_scan"), move || bytes_are_rusts(client, scan)).with_ignored_flag(skip));
     }
+    // Only what is built with the command line has it.
+    if let Some(flicr) = option_env!("CARGO_BIN_EXE_flicr") {
+        let skip = is_skipped(missing(HOST, &["cc"]));
+        let receives = move || stream::flicr_receives_it(SANITIZED, flicr);
+        trials.push(Trial::test("sanitized::stream_to_flicr_receive", receives).with_ignored_flag(skip));
+    }
     for by in ["cmake", "pkg-config"] {
         let skip = is_skipped(missing(HOST, &["cc", by]));
         trials.push(Trial::test(format!("found_by_{by}"), move || stream::is_found(by)).with_ignored_flag(skip));

@@ -1,7 +1,7 @@
 /*
  * A VLP-16's packets from UDP to datagrams by UDP, as the sensor turns, from C. With a receiver:
  *
- *     flicr receive --listen 127.0.0.1:7502 --sensor vlp16
+ *     flicr receive udp://127.0.0.1:7502 --sensor vlp16
  *     tools/staticlib.sh x86_64-unknown-linux-gnu        (prints where the library lies)
  *     cc -std=c99 -Iinclude examples/c/stream.c LIBRARY -o stream
  *     ./stream 2368 127.0.0.1 7502

@@ -4,7 +4,7 @@
 use std::io::{BufRead, BufReader, Read};
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
 use flicr::coder::{ContextSettings, SmallModel, Step};
@@ -20,36 +20,75 @@ use crate::{Client, HOST, compile, library, scratch};
 /// So many packets fit any socket's buffer.
 const BURST: usize = 20;
 
-/// The sensor's packets go in by UDP, and what comes out by UDP is what Rust makes of them.
-pub fn datagrams_are_rusts(client: Client) -> Result<(), Failed> {
+/// What the sensor sends; one of them is refused.
+fn packets() -> Vec<Vec<u8>> {
     let plan = Plan { start_tick: 18_000, ..Plan::new(Model::Vlp16, true) };
     let mut packets = plan.packets(160);
-    // One that is refused.
     packets[77][1205] = 0;
-    let program = scratch(&format!("{}-stream.elf", client.name));
+    packets
+}
+
+/// The example's program, by a name that no other test uses.
+fn build(client: Client, name: &str) -> Result<PathBuf, Failed> {
+    let program = scratch(&format!("{}-{name}.elf", client.name));
     let flags = [client.flags, &["-std=c99"]].concat();
     run(compile(client.compiler, &flags, "examples/c/stream.c", &program).arg(library(client.target)?))?;
+    Ok(program)
+}
 
-    let receiver = UdpSocket::bind("127.0.0.1:0")?;
-    receiver.set_read_timeout(Some(Duration::from_secs(20)))?;
-    let expected = datagrams_of(&packets);
-    let mut words: Vec<_> = client.runner.iter().map(std::ffi::OsString::from).collect();
-    words.extend([program.into(), "0".into(), "127.0.0.1".into(), receiver.local_addr()?.port().to_string().into()]);
-    let mut child = Command::new(&words[0]).args(&words[1..]).stdout(Stdio::piped()).spawn()?;
-    let mut printed = BufReader::new(child.stdout.take().ok_or("no output")?);
+/// The example, listening to a sensor.
+struct Running {
+    child: Child,
+    printed: BufReader<ChildStdout>,
+    sensor: UdpSocket,
+    port: u16,
+}
+
+impl Running {
+    /// It sends to a port of this machine.
+    fn start(client: Client, program: PathBuf, to: u16) -> Result<Self, Failed> {
+        let mut words: Vec<_> = client.runner.iter().map(std::ffi::OsString::from).collect();
+        words.extend([program.into(), "0".into(), "127.0.0.1".into(), to.to_string().into()]);
+        let mut child = Command::new(&words[0]).args(&words[1..]).stdout(Stdio::piped()).spawn()?;
+        let mut printed = BufReader::new(child.stdout.take().ok_or("no output")?);
+        let port = port_after("listening on ", &mut printed)?;
+        Ok(Self { child, printed, sensor: UdpSocket::bind("127.0.0.1:0")?, port })
+    }
+
+    /// Packets, and the empty one after them; from time to time the program and its receiver get their turn.
+    fn send(&self, packets: &[Vec<u8>], mut pause: impl FnMut()) -> Result<(), Failed> {
+        for (sent, packet) in packets.iter().map(Vec::as_slice).chain([&[][..]]).enumerate() {
+            self.sensor.send_to(packet, ("127.0.0.1", self.port))?;
+            if sent % BURST == BURST - 1 {
+                pause();
+            }
+        }
+        Ok(())
+    }
+
+    /// What it says at its end.
+    fn end(mut self) -> Result<String, Failed> {
+        let mut said = String::new();
+        self.printed.read_to_string(&mut said)?;
+        if self.child.wait()?.success() { Ok(said) } else { Err(said.into()) }
+    }
+}
+
+/// The port at the end of a program's first line, which begins like this.
+fn port_after(words: &str, printed: &mut impl BufRead) -> Result<u16, Failed> {
     let mut line = String::new();
     printed.read_line(&mut line)?;
-    let port: u16 = line.trim().strip_prefix("listening on ").ok_or("no port")?.parse()?;
+    let port = line.trim().strip_prefix(words).and_then(|address| address.rsplit(':').next());
+    Ok(port.ok_or_else(|| format!("{line}: expected {words}"))?.parse()?)
+}
 
-    let sensor = UdpSocket::bind("127.0.0.1:0")?;
+/// The sensor's packets go in by UDP, and what comes out by UDP is what Rust makes of them.
+pub fn datagrams_are_rusts(client: Client) -> Result<(), Failed> {
+    let receiver = UdpSocket::bind("127.0.0.1:0")?;
+    let expected = datagrams_of(&packets());
+    let running = Running::start(client, build(client, "stream")?, receiver.local_addr()?.port())?;
     let mut received = Vec::new();
-    for (sent, packet) in packets.iter().map(Vec::as_slice).chain([&[][..]]).enumerate() {
-        sensor.send_to(packet, ("127.0.0.1", port))?;
-        // What has come is taken, and the program gets its turn.
-        if sent % BURST == BURST - 1 {
-            take(&receiver, &mut received, Duration::from_millis(20));
-        }
-    }
+    running.send(&packets(), || take(&receiver, &mut received, Duration::from_millis(20)))?;
     while received.len() < expected.len() {
         let before = received.len();
         take(&receiver, &mut received, Duration::from_secs(20));
@@ -57,20 +96,48 @@ pub fn datagrams_are_rusts(client: Client) -> Result<(), Failed> {
             break;
         }
     }
-    let mut rest = String::new();
-    printed.read_to_string(&mut rest)?;
-    if !child.wait()?.success() {
-        return Err(format!("{line}{rest}").into());
-    }
+    let said = running.end()?;
     if received != expected {
-        return Err(format!("{} datagrams, Rust's {}; {rest}", received.len(), expected.len()).into());
+        return Err(format!("{} datagrams, Rust's {}; {said}", received.len(), expected.len()).into());
     }
     let bytes: usize = expected.iter().map(Vec::len).sum();
-    let said = format!("159 packets used, 1 refused; {} returns in", returns_in(&received)?);
-    if rest.starts_with(&said) && rest.contains(&format!("{} datagrams of {bytes} bytes, 0 not sent", expected.len())) {
+    let first = format!("159 packets used, 1 refused; {} returns in", points_in(&received)?.len());
+    if said.starts_with(&first) && said.contains(&format!("{} datagrams of {bytes} bytes, 0 not sent", expected.len()))
+    {
         Ok(())
     } else {
-        Err(format!("{rest}: expected {said} ...").into())
+        Err(format!("{said}: expected {first} ...").into())
+    }
+}
+
+/// The same into `flicr receive`: its files hold every point, in the order of the datagrams.
+pub fn flicr_receives_it(client: Client, flicr: &str) -> Result<(), Failed> {
+    // Before the receiver, which would not wait for it.
+    let program = build(client, "receive")?;
+    let folder = scratch(&format!("{}-turns", client.name));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir(&folder)?;
+    let mut receive = Command::new(flicr);
+    receive.args(["receive", "udp://127.0.0.1:0", "--sensor", "vlp16", "--idle", "3", "--format", "bin", "-o"]);
+    let mut receive = receive.arg(&folder).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
+    let mut notes = BufReader::new(receive.stderr.take().ok_or("no stderr")?);
+    let running = Running::start(client, program, port_after("note: listening at ", &mut notes)?)?;
+    running.send(&packets(), || std::thread::sleep(Duration::from_millis(20)))?;
+    let (said, mut summary) = (running.end()?, String::new());
+    notes.read_to_string(&mut summary)?;
+    if !receive.wait()?.success() {
+        return Err(summary.into());
+    }
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(&folder)?.map(|file| Ok(file?.path())).collect::<Result<_, Failed>>()?;
+    files.sort();
+    let points = files.iter().flat_map(|file| crate::data::read_points(file));
+    let found: Vec<_> = points.map(|[x, y, z, _]| [x, y, z]).collect();
+    let expected = points_in(&datagrams_of(&packets()))?;
+    if found == expected && files.len() > 1 && summary.contains(" 0 strips missing in 0 turns, 0 datagrams refused") {
+        Ok(())
+    } else {
+        Err(format!("{} points of {} in {} files; {said}; {summary}", found.len(), expected.len(), files.len()).into())
     }
 }
 
@@ -104,16 +171,16 @@ fn datagrams_of(packets: &[Vec<u8>]) -> Vec<Vec<u8>> {
     datagrams
 }
 
-/// Returns that a receiver finds.
-fn returns_in(datagrams: &[Vec<u8>]) -> Result<u64, Failed> {
+/// Points that Rust's receiver finds.
+fn points_in(datagrams: &[Vec<u8>]) -> Result<Vec<[f32; 3]>, Failed> {
     let beams = velodyne::VLP16.beams_at::<16>(600).expect("16 beams");
     let mut decoder = StreamDecoder::default();
     decoder.know(&velodyne::VLP16.grid_of(&beams))?;
-    let mut returns = 0;
+    let mut points = Vec::new();
     for datagram in datagrams {
-        returns += decoder.push(datagram)?.points().len() as u64;
+        points.extend(decoder.push(datagram)?.points());
     }
-    Ok(returns)
+    Ok(points)
 }
 
 /// Installs the library, copies a small project to a folder outside the repository, and builds and runs it there.
