@@ -41,7 +41,7 @@ impl<L: Level, C: Coder<L>, const LINES: usize, const NODES: usize>
     /// As [`finish`](Self::finish); [`ConfigError::Ticks`] where the image has not a column a tick, or `WORDS` are too few;
     /// [`ConfigError::Strips`] where there are more strips than firings.
     pub fn finish_by_firings<const WORDS: usize>(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
-        let Self { frame, mut image, coder, .. } = self;
+        let (frame, mut image, coder) = self.into_parts();
         let every_tick = frame.config;
         let ticks = every_tick.lattice.grid().ticks;
         let fired_at = ticks_with_returns(image.as_view());
