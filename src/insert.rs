@@ -122,11 +122,9 @@ impl<L: Level> Inserter<'_, L> {
     fn insert_block(&mut self, block: &Block, pixels: &Pixels, len: usize, along: &mut impl Along) {
         // One loop a policy, so that none of them asks for the policy at every point.
         match self.policy.collision {
-            Collision::Nearest => self.insert_lanes(block, pixels, len, nearest, along),
+            Collision::Nearest => self.insert_lanes(block, pixels, len, Ord::min, along),
             Collision::Farthest => self.insert_lanes(block, pixels, len, Ord::max, along),
-            Collision::First => {
-                self.insert_lanes(block, pixels, len, |old, new| if old == L::NONE { new } else { old }, along);
-            }
+            Collision::First => self.insert_lanes(block, pixels, len, |old, _| old, along),
             Collision::Last => self.insert_lanes(block, pixels, len, |_, new| new, along),
         }
     }
@@ -152,12 +150,16 @@ impl<L: Level> Inserter<'_, L> {
             }
             let lane = len - 1 - lanes.len();
             let mut put = |pixel: &mut L, at: u32| {
-                let old = *pixel;
-                collided += u32::from(old != L::NONE);
-                *pixel = settle(old, L::new(level as u16));
-                if *pixel != old {
-                    along.keep(lane, at as usize);
+                let (old, new) = (*pixel, L::new(level as u16));
+                // Most pixels are empty, and take a point with nothing more to be asked.
+                if old != L::NONE {
+                    collided += 1;
+                    if settle(old, new) == old {
+                        return;
+                    }
                 }
+                *pixel = new;
+                along.keep(lane, at as usize);
             };
             // No image has as many pixels as the marks stand for: one comparison finds both.
             if let Some(kept) = self.levels.get_mut(pixel as usize) {
@@ -191,12 +193,6 @@ pub fn settle<L: Level>(collision: Collision, old: L, new: L) -> L {
         Collision::First => old,
         Collision::Last => new,
     }
-}
-
-/// The smaller of two levels, an empty pixel's counting as the largest.
-#[inline]
-fn nearest<L: Level>(old: L, new: L) -> L {
-    if old == L::NONE { new } else { old.min(new) }
 }
 
 /// Largest range among the points that are finite, meters; 0 where there is none.

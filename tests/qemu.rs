@@ -33,6 +33,9 @@ use board::{BOARDS, Board};
 use frames::Frame;
 use scan::{Kind, Scan};
 
+/// Most Thumb-2 instructions from x, y, z to the image on the sensor's own grid.
+const POINT_MAX: f64 = 130.0;
+
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let skip = firmware::is_skipped(BOARDS.iter().find_map(Board::missing));
@@ -55,6 +58,7 @@ fn bytes_equal_the_hosts(board: &'static Board, scan: &Scan) -> Result<(), Faile
     match scan.kind {
         Kind::Simulated => board.check_printed(&lines_of("frame ", &printed)),
         Kind::Real(_) => scan.check_printed(&lines_of("frame ", &printed)),
+        Kind::Near(_) => check_projection(board, &printed),
         Kind::Packets(_) => packets::check_cost(board, &lines_of("cost ", &printed)),
         // How many cells hold a return is the scene's doing.
         Kind::Capture { .. } => {
@@ -62,6 +66,20 @@ fn bytes_equal_the_hosts(board: &'static Board, scan: &Scan) -> Result<(), Faile
             Ok(())
         }
     }
+}
+
+/// Instructions that Thumb-2 takes from x, y, z to the image are as few as promised.
+fn check_projection(board: &Board, printed: &str) -> Result<(), Failed> {
+    let number = |name: &str| -> Result<f64, Failed> {
+        let field = printed.split_whitespace().find_map(|field| field.strip_prefix(name));
+        Ok(field.ok_or(format!("no {name}"))?.parse()?)
+    };
+    let a_point = number("project=")? / number("points=")?;
+    println!("{}: {a_point:.1} instructions a point", board.name);
+    if board.is_thumb() && a_point > POINT_MAX {
+        return Err(format!("{a_point:.1} instructions a point, promised are at most {POINT_MAX}").into());
+    }
+    Ok(())
 }
 
 /// The lines that start with `what`.

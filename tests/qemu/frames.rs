@@ -67,11 +67,13 @@ pub const FRAMES: [Frame; 38] = [
     native("fast", 10),
     native("fast", 51),
     native("fast", 157),
-    // On the sensor's own grid.
-    frame(4000, "lattice"),
+    EVERY_TICK[0],
     // The firmware uses its memory again: nothing of the frames before may be left in it.
     Frame::Even(Even { columns: 1000, coder: "deflate", max_range_m: 50.0 }),
 ];
+
+/// On the sensor's own grid.
+pub const EVERY_TICK: [Frame; 1] = [frame(TICKS, "lattice")];
 
 const fn frame(columns: usize, coder: &'static str) -> Frame {
     Frame::Even(Even { columns, coder, max_range_m: 120.0 })

@@ -11,7 +11,7 @@ use crate::board::check_golden;
 use crate::captures::payloads;
 use crate::common::data;
 use crate::firmware::root;
-use crate::frames::{FRAMES, Frame};
+use crate::frames::{self, FRAMES, Frame};
 use crate::packets;
 use crate::writer::Plan;
 
@@ -22,6 +22,8 @@ pub enum Kind {
     Simulated,
     /// Points of a file of the shared data.
     Real(&'static str),
+    /// The same, of which only the cost on the sensor's own grid is asked: many points are near, where it is highest.
+    Near(&'static str),
     /// Made-up packets.
     Packets(Plan),
     /// The packets of a capture of the shared data.
@@ -30,6 +32,8 @@ pub enum Kind {
 
 /// One of a drive and two of the paper's, the second with fewer beams.
 const REAL: [&str; 3] = ["kitti/drive/000000.bin", "kitti/paper/1.bin", "kitti/paper/4.bin"];
+/// Of the 30 raw scans, those whose points cost most to project.
+const NEAR: [&str; 2] = ["kitti/object/000000.bin", "kitti/object/000002.bin"];
 const CAPTURES: [(&str, Model); 3] = [
     ("velodyne/vlp16_dual.pcap", Model::Vlp16),
     ("velodyne/vlp32c_single.pcap", Model::Vlp32c),
@@ -53,6 +57,7 @@ pub fn all() -> Vec<Arc<Scan>> {
         Scan::new(&format!("packets/{:?}-{dual}", plan.model), Kind::Packets(plan))
     }));
     scans.extend(REAL.map(|name| Scan::new(name, Kind::Real(name))));
+    scans.extend(NEAR.map(|name| Scan::new(name, Kind::Near(name))));
     scans.extend(CAPTURES.map(|(file, model)| Scan::new(file, Kind::Capture { file, model })));
     if scans.iter().any(Scan::is_missing) {
         println!("skipped: no real scans beside the crate or at FLICR_DATA");
@@ -69,7 +74,9 @@ impl Scan {
     pub fn is_missing(&self) -> bool {
         match self.kind {
             Kind::Simulated | Kind::Packets(_) => false,
-            Kind::Real(file) | Kind::Capture { file, .. } => data::FOLDER.is_none() || !data::path(file).exists(),
+            Kind::Real(file) | Kind::Near(file) | Kind::Capture { file, .. } => {
+                data::FOLDER.is_none() || !data::path(file).exists()
+            }
         }
     }
 
@@ -77,6 +84,7 @@ impl Scan {
     pub fn jobs(&self) -> std::slice::Iter<'static, Frame> {
         match self.kind {
             Kind::Simulated | Kind::Real(_) => FRAMES.iter(),
+            Kind::Near(_) => frames::EVERY_TICK.iter(),
             Kind::Packets(Plan { model, .. }) | Kind::Capture { model, .. } => packets::jobs(model).iter(),
         }
     }
@@ -84,7 +92,7 @@ impl Scan {
     /// The file that the firmware reads, written when first asked for.
     pub fn path(&self) -> Result<&Path, Failed> {
         let path = self.path.get_or_init(|| match self.kind {
-            Kind::Real(file) => Ok(data::path(file)),
+            Kind::Real(file) | Kind::Near(file) => Ok(data::path(file)),
             Kind::Simulated => {
                 let turn = Simulator::hdl64e(1).next().expect("the drive has no end");
                 write("simulated.bin", &turn.kitti_bytes())
@@ -97,7 +105,7 @@ impl Scan {
     /// The host's bytes of all [`jobs`](Self::jobs), encoded when first asked for.
     pub fn frames(&self) -> Result<&[Vec<u8>], Failed> {
         let frames = self.frames.get_or_init(|| match self.kind {
-            Kind::Simulated | Kind::Real(_) => {
+            Kind::Simulated | Kind::Real(_) | Kind::Near(_) => {
                 let path = self.path().map_err(|error| format!("{:?}", error.message()))?;
                 let points = data::read_points(path);
                 Ok(self.jobs().map(|frame| frame.encode(&points)).collect())
@@ -121,7 +129,7 @@ impl Scan {
             // Two turns and a half, from the middle of one.
             Kind::Packets(plan) => Plan { start_tick: 18_000, ..plan }.packets(4500 / plan.firings_a_packet()),
             Kind::Capture { file, .. } => payloads(file, 2368),
-            Kind::Simulated | Kind::Real(_) => Vec::new(),
+            Kind::Simulated | Kind::Real(_) | Kind::Near(_) => Vec::new(),
         }
     }
 }
