@@ -131,11 +131,9 @@ fn why(best: &Trial, own: &Trial, name: &str) -> String {
     );
     match best.choice {
         GeometryChoice::OwnGrid => format!("the scan is on the sensor's own grid: {grid}"),
+        // The bound is the frame's to say, whose steps may be longer than those tried here.
         choice => {
-            let bound_mm = 1000.0 * best.fit.point_bound_m();
-            let bound =
-                if bound_mm > 0.0 { format!("; every point is within {bound_mm:.0} mm") } else { String::new() };
-            format!("the scan is off the sensor's grid: {grid}; {choice:?} loses {:.2} %{bound}", 100.0 * best.lost())
+            format!("the scan is off the sensor's grid: {grid}; {choice:?} loses {:.2} %", 100.0 * best.lost())
         }
     }
 }

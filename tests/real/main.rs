@@ -99,6 +99,10 @@ const COMMAND_LINE: &[(&str, fn())] = &[
         "command_line::what_is_not_measured_is_told_from_what_is_missing",
         command_line::what_is_not_measured_is_told_from_what_is_missing,
     ),
+    (
+        "command_line::a_beam_without_returns_is_taken_from_the_design",
+        command_line::a_beam_without_returns_is_taken_from_the_design,
+    ),
     ("command_line::ouster_frames_equal_the_sdk", command_line::ouster_frames_equal_the_sdk),
     ("command_line::moved_scans_are_encoded_on_their_beams", command_line::moved_scans_are_encoded_on_their_beams),
     ("command_line::clouds_of_other_sensors", command_line::clouds_of_other_sensors),

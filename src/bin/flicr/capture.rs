@@ -312,15 +312,16 @@ impl Turns {
         self.checked_file(&grid).map(|file| Some(file.unwrap_or(grid)))
     }
 
-    /// The sensor file's grid, where one was asked for: it must be of a sensor like the packets'.
+    /// The sensor file's grid, where one was asked for: it must be of a sensor like the packets', of which it may lack
+    /// beams.
     fn checked_file(&self, packets: &OwnedGrid) -> Result<Option<Rc<OwnedGrid>>, Failure> {
         let Some(file) = &self.file else { return Ok(None) };
-        let (found, expected) = (file.grid(), packets.grid());
-        let is_like = (found.beams.len(), found.ticks) == (expected.beams.len(), expected.ticks)
-            && (found.range_unit_m - expected.range_unit_m).abs() < 1e-6;
-        if is_like {
-            return Ok(Some(Rc::new(on_ticks_of(packets, file))));
+        if file.counts_as(packets)
+            && let Some(file) = file.completed(packets)
+        {
+            return Ok(Some(Rc::new(on_ticks_of(packets, &file))));
         }
+        let (found, expected) = (file.grid(), packets.grid());
         let say = |grid: &SensorGrid<'_>| {
             let (beams, ticks, unit_m) = (grid.beams.len(), grid.ticks, grid.range_unit_m);
             format!("{} ({beams} beams, {ticks} ticks, range unit {unit_m} m)", grid.name)

@@ -121,7 +121,7 @@ fn of_turn(
         why = format!("{why}: --sensor ({}) is not used", grid.grid().name);
     }
     if matches!(asked, Some(Asked::File(_))) {
-        why = format!("the packets have as many beams, ticks and the range unit of the file's {}", sensor.grid().name);
+        why = format!("the packets have the ticks and the range unit of the file's {}", sensor.grid().name);
     }
     let shape = match columns {
         Some(Columns::Count(columns)) => Shape::Beams { sensor, columns, rows: Vec::new() },

@@ -35,6 +35,41 @@ impl OwnedGrid {
         SensorGrid { name: &self.name, beams: &self.beams, ..self.rest }
     }
 
+    /// Whether it counts azimuths and ranges as another does.
+    pub fn counts_as(&self, other: &Self) -> bool {
+        self.rest.ticks == other.rest.ticks && (self.rest.range_unit_m - other.rest.range_unit_m).abs() < 1e-6
+    }
+
+    /// With a designed beam in each row that this one lacks: calibration does not see a beam that nothing came back from.
+    /// `None` where beams are not the design's: two in one row, or few of them.
+    pub fn completed(&self, design: &Self) -> Option<Self> {
+        let mut beams = design.beams.clone();
+        if self.beams.len() == beams.len() {
+            return Some(self.clone());
+        }
+        for (row, beam) in self.rows_in(design)?.into_iter().zip(&self.beams) {
+            beams[row] = *beam;
+        }
+        Some(self.with_beams(beams))
+    }
+
+    /// The design's beams that this one lacks; `None` as of [`completed`](Self::completed).
+    pub fn unseen(&self, design: &Self) -> Option<Vec<Beam>> {
+        let rows = self.rows_in(design)?;
+        let beams = design.beams.iter().enumerate();
+        Some(beams.filter(|(row, _)| !rows.contains(row)).map(|(_, beam)| *beam).collect())
+    }
+
+    /// The design's row that each beam is nearest to.
+    fn rows_in(&self, design: &Self) -> Option<Vec<usize>> {
+        let off = |row: usize, beam: &Beam| (design.beams[row].slope - beam.slope).abs();
+        let nearest =
+            |beam| (0..design.beams.len()).min_by(|&a: &usize, &b: &usize| off(a, beam).total_cmp(&off(b, beam)));
+        let rows: Vec<usize> = self.beams.iter().map(nearest).collect::<Option<_>>()?;
+        let is_most = 2 * rows.len() > design.beams.len();
+        (is_most && rows.is_sorted_by(|a, b| a < b)).then_some(rows)
+    }
+
     /// Whether decoders know it without being told.
     pub fn is_known(&self) -> bool {
         let checksum = self.grid().checksum();
@@ -86,6 +121,18 @@ fn names() -> String {
 pub fn built_in() -> Vec<Rc<OwnedGrid>> {
     let turning = TURNING.iter().map(|(_, geometry)| turning(geometry, TURNS_PER_MINUTE));
     std::iter::once(OwnedGrid::new(&hdl64e::GRID)).chain(turning).map(Rc::new).collect()
+}
+
+/// Of the built-in sensor that a calibrated one is but for beams that nothing came back from: its name, how many beams it
+/// has, and those.
+pub fn unseen(calibrated: &OwnedGrid) -> Option<(String, usize, Vec<Beam>)> {
+    let alike = || built_in().into_iter().filter(|design| calibrated.counts_as(design));
+    if alike().any(|design| design.beams.len() == calibrated.beams.len()) {
+        return None;
+    }
+    let found = alike().filter_map(|design| Some((calibrated.unseen(&design)?, design)));
+    let (beams, design) = found.min_by_key(|(beams, _)| beams.len())?;
+    (!beams.is_empty()).then(|| (design.grid().name.to_owned(), design.beams.len(), beams))
 }
 
 /// A sensor that was asked for.

@@ -3,6 +3,7 @@
 use flicr::calibrate::{BeamResiduals, Calibration, OFF_GRID_M, Spread};
 use flicr::sensor::Beam;
 
+use crate::sensors::{self, OwnedGrid};
 use crate::table::{self, grouped};
 
 const HEADINGS: [&str; 9] =
@@ -49,5 +50,18 @@ fn summary(found: &Calibration) -> String {
             1e2 * beam_share
         ),
     ];
-    lines.join("\n")
+    lines.into_iter().chain(unseen(found)).collect::<Vec<_>>().join("\n")
+}
+
+/// Which beams of a sensor that is built in nothing came back from.
+fn unseen(found: &Calibration) -> Option<String> {
+    let (name, count, beams) = sensors::unseen(&OwnedGrid::new(&found.sensor.grid()))?;
+    let elevation = |beam: &Beam| format!("{:+.3}", beam.slope.atan().to_degrees());
+    let elevations: Vec<String> = beams.iter().map(elevation).collect();
+    Some(format!(
+        "{} of {name}'s {count} beams: nothing came back from {} degrees. With its captures the file is used all the \
+         same, and these are as designed; scans in which they hit something would tell",
+        found.sensor.beams.len(),
+        elevations.join(", ")
+    ))
 }
