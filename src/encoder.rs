@@ -35,7 +35,7 @@ pub struct Encoded {
     pub tally: Tally,
     /// Most that a kept point's range is off after decoding, meters.
     pub range_bound_m: f32,
-    /// How far the points are off the sensor's grid, where [`LatticeConfig::measure`] asked for it.
+    /// How far the points are off the sensor's grid, where [`LatticeConfig::measure`](crate::LatticeConfig::measure) asked for it.
     pub fit: GridFit,
 }
 

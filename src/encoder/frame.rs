@@ -157,7 +157,7 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     /// Codes the image and writes the frame to the front of `out`.
     ///
     /// # Errors
-    /// [`EncodeError::OutputTooSmall`]; [`ConfigError::CoderRows`]. Nothing in `out` is a frame then.
+    /// [`EncodeError::OutputTooSmall`]; [`ConfigError::CoderRows`](crate::ConfigError::CoderRows). Nothing in `out` is a frame then.
     pub fn finish(self, out: &mut [u8]) -> Result<Encoded, EncodeError> {
         self.frame.finish(self.image.as_view(), self.coder, out)
     }
@@ -166,8 +166,8 @@ impl<'a, L: Level, C: Coder<L>, S: FrameSettings> FrameEncoder<'a, L, C, S> {
     /// [`worst_case_len`](Planes::worst_case_len) bytes more.
     ///
     /// # Errors
-    /// As [`finish`](Self::finish); [`ConfigError::Plane`] where a plane is not of the image's size,
-    /// [`ConfigError::CoderRows`] where its coder has not as many rows.
+    /// As [`finish`](Self::finish); [`ConfigError::Plane`](crate::ConfigError::Plane) where a plane is not of the image's size,
+    /// [`ConfigError::CoderRows`](crate::ConfigError::CoderRows) where its coder has not as many rows.
     pub fn finish_with(self, planes: Planes<'_>, out: &mut [u8]) -> Result<Encoded, EncodeError> {
         self.frame.finish_with(self.image.as_view(), self.coder, planes, out)
     }
