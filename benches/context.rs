@@ -10,16 +10,13 @@ mod data;
 mod firings;
 #[path = "../tests/common/range_images.rs"]
 mod range_images;
-
-use std::time::{Duration, Instant};
+mod timing;
 
 use data::{Scan, median};
-use firings::Turn;
-use flicr::coder::fast_lab::decode;
-use flicr::coder::{Coder, ContextSettings, Dense, Small, Step};
+use flicr::coder::{ContextSettings, Dense, Small, Step};
+use timing::{ns_a_pixel, zlib_ns_a_byte};
 
 const COUNT_MM: u16 = 2;
-const ROUNDS: usize = 9;
 /// Every so manieth scan is timed.
 const TIMED: usize = 7;
 /// Most that encoding may take, as shares of zlib's time a byte.
@@ -56,31 +53,4 @@ fn main() {
             println!(" {:>10.2} {:>10.2}", ns(0), ns(1));
         }
     }
-}
-
-fn zlib_ns_a_byte(points: &[[f32; 4]]) -> f64 {
-    let image = range_images::image(points, 4500);
-    let mut out = vec![0; 400_000];
-    least(|| range_images::zlib(&image, 6, &mut out)).as_secs_f64() * 1e9 / image.len() as f64
-}
-
-fn ns_a_pixel(coder: &mut impl Coder<u16>, turn: &Turn) -> [f64; 2] {
-    let mut out = vec![0; 400_000];
-    let len = coder.encode(turn.view(), &mut out).unwrap();
-    let encode = least(|| coder.encode(turn.view(), &mut out).unwrap());
-    let mut levels = vec![1_u16; turn.levels.len()];
-    let decode = least(|| {
-        decode(&out[..len], firings::ROWS, &mut levels).unwrap();
-        levels[0].into()
-    });
-    [encode, decode].map(|time| time.as_secs_f64() * 1e9 / turn.levels.len() as f64)
-}
-
-fn least(mut work: impl FnMut() -> usize) -> Duration {
-    let once = |_| {
-        let start = Instant::now();
-        std::hint::black_box(work());
-        start.elapsed()
-    };
-    (0..ROUNDS).map(once).min().expect("a round")
 }

@@ -9,17 +9,16 @@ mod data;
 mod firings;
 #[path = "../tests/common/range_images.rs"]
 mod range_images;
-
-use std::time::{Duration, Instant};
+mod timing;
 
 use data::{Scan, median};
 use firings::Turn;
 use flicr::coder::fast_lab::decode;
 use flicr::coder::{Coder, ContextSettings, Fast, Step};
+use timing::{ns_a_pixel, zlib_ns_a_byte};
 
 const STEPS_MM: [u16; 7] = [2, 10, 20, 50, 102, 202, 314];
 const COUNT_MM: u16 = 2;
-const ROUNDS: usize = 9;
 /// Every so manieth scan is timed.
 const TIMED: usize = 5;
 const STRIPS: usize = 16;
@@ -48,7 +47,8 @@ fn main() {
                 .zip(&turns)
                 .map(|(scan, turn)| 16.0 * scan.points.len() as f64 / (FRAME_LEN + len_checked(turn, step)) as f64),
         );
-        let times: Vec<[f64; 2]> = turns.iter().step_by(TIMED).map(|turn| ns_a_pixel(turn, step)).collect();
+        let times: Vec<[f64; 2]> =
+            turns.iter().step_by(TIMED).map(|turn| ns_a_pixel(&mut *coder(step), turn)).collect();
         let share = |i: usize| median(times.iter().zip(&zlib).map(|(times, zlib)| times[i] / zlib));
         let ns = |i: usize| median(times.iter().map(|times| times[i]));
         let strips = median(turns.iter().step_by(TIMED).map(|turn| in_strips(turn, step)));
@@ -56,12 +56,6 @@ fn main() {
         print!("{mm:>7} {ratio:>7.2} {:>10.3} {:>10.3} {:>10.2} {:>10.2}", shares[0], shares[1], ns[0], ns[1]);
         println!(" {strips:>10.4}");
     }
-}
-
-fn zlib_ns_a_byte(points: &[[f32; 4]]) -> f64 {
-    let image = range_images::image(points, 4500);
-    let mut out = vec![0; 400_000];
-    least(|| range_images::zlib(&image, 6, &mut out)).as_secs_f64() * 1e9 / image.len() as f64
 }
 
 fn coder(step: Step) -> Box<Fast> {
@@ -92,26 +86,4 @@ fn in_strips(turn: &Turn, step: Step) -> f64 {
         len += STRIP_HEAD_LEN + len_checked(&Turn { levels, columns }, step);
     }
     len as f64 / (FRAME_LEN + STRIP_HEAD_LEN + len_checked(turn, step)) as f64
-}
-
-fn ns_a_pixel(turn: &Turn, step: Step) -> [f64; 2] {
-    let mut out = vec![0; 400_000];
-    let mut coder = coder(step);
-    let len = coder.encode(turn.view(), &mut out).unwrap();
-    let encode = least(|| coder.encode(turn.view(), &mut out).unwrap());
-    let mut levels = vec![1_u16; turn.levels.len()];
-    let decode = least(|| {
-        decode(&out[..len], firings::ROWS, &mut levels).unwrap();
-        levels[0].into()
-    });
-    [encode, decode].map(|time| time.as_secs_f64() * 1e9 / turn.levels.len() as f64)
-}
-
-fn least(mut work: impl FnMut() -> usize) -> Duration {
-    let once = |_| {
-        let start = Instant::now();
-        std::hint::black_box(work());
-        start.elapsed()
-    };
-    (0..ROUNDS).map(once).min().expect("a round")
 }

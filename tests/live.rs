@@ -7,6 +7,8 @@
 
 #[path = "live/board.rs"]
 mod board;
+#[path = "firmware/board.rs"]
+mod boards;
 #[path = "common/captures.rs"]
 mod captures;
 mod common;

@@ -10,6 +10,8 @@
 
 #[path = "qemu/board.rs"]
 mod board;
+#[path = "firmware/board.rs"]
+mod boards;
 #[path = "common/captures.rs"]
 mod captures;
 mod common;

@@ -10,6 +10,7 @@
 //!            or aligned                  write_framed ~~~> Deframer (UARTs)
 //! ```
 
+mod config;
 mod datagram;
 #[cfg(feature = "std")]
 mod decoder;
@@ -20,12 +21,13 @@ mod line;
 mod received;
 mod tally;
 
+pub use config::StreamConfig;
 #[cfg(feature = "std")]
 pub use datagram::DatagramError;
 pub use datagram::{DATAGRAM_LEN, OVERHEAD_LEN};
 #[cfg(feature = "std")]
 pub use decoder::{StreamDecoder, StreamLimits, StreamLosses};
-pub use encoder::{StreamConfig, StreamEncoder};
+pub use encoder::StreamEncoder;
 pub use framing::{Deframer, frame_into, framed_len, write_framed, write_framed_async};
 pub use line::{Aligned, AlignedHdl64e, AsFired, Line};
 #[cfg(feature = "std")]

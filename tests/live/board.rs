@@ -2,55 +2,28 @@
 
 use std::io::{self, Read, Write};
 use std::net::TcpListener;
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::path::Path;
 use std::thread;
 
 use libtest_mimic::Failed;
 
-use crate::firmware::{Firmware, run, tool};
+pub use crate::boards::Board;
+use crate::boards::boards;
+use crate::firmware::{run, tool};
 
-/// A board, and what runs on it.
-pub struct Board {
-    /// What `tools/emulate.sh` calls it.
-    pub name: &'static str,
-    emulator: &'static str,
-    firmware: Firmware,
-    built: OnceLock<Result<PathBuf, String>>,
-}
-
-pub static BOARDS: [Board; 4] = [
-    board("m7", "qemu-system-arm", "live_cortex_m", "thumbv7em-none-eabihf"),
-    board("m4f", "qemu-system-arm", "live_cortex_m", "thumbv7em-none-eabihf"),
-    board("m33", "qemu-system-arm", "live_cortex_m", "thumbv8m.main-none-eabihf"),
-    board("a53", "qemu-system-aarch64", "live_aarch64", "aarch64-unknown-none"),
-];
-
-const fn board(name: &'static str, emulator: &'static str, example: &'static str, target: &'static str) -> Board {
-    Board { name, emulator, firmware: Firmware { example, target }, built: OnceLock::new() }
-}
+pub static BOARDS: [Board; 4] = boards("live_cortex_m", "live_aarch64");
 
 impl Board {
-    /// What is needed to run it and not on this machine.
-    pub fn missing(&self) -> Option<String> {
-        self.firmware.missing(self.emulator)
-    }
-
-    /// Whether its instructions are Thumb-2.
-    pub fn is_thumb(&self) -> bool {
-        self.firmware.target.starts_with("thumb")
-    }
-
     /// Streams from file to file, without interrupts; gives what was printed.
     pub fn stream_files(&'static self, job: &str, packets: &Path, datagrams: &Path) -> Result<String, Failed> {
-        let firmware = self.firmware()?;
+        let firmware = self.built()?;
         Ok(run(tool("emulate.sh").arg(self.name).arg(firmware).arg(job).arg(packets).arg(datagrams))?)
     }
 
     /// Streams from UART to UART, or both ways over the only one; gives what was printed. The emulator takes a byte only
     /// when the firmware has read the one before, so that nothing is ever lost.
     pub fn stream_uarts(&'static self, job: &str, packets: Vec<u8>, datagrams: &Path) -> Result<String, Failed> {
-        let firmware = self.firmware()?;
+        let firmware = self.built()?;
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let address = listener.local_addr()?;
         let serial = if self.is_thumb() {
@@ -66,10 +39,6 @@ impl Board {
             std::fs::write(datagrams, came)?;
         }
         Ok(printed)
-    }
-
-    fn firmware(&'static self) -> Result<&'static PathBuf, Failed> {
-        Ok(self.built.get_or_init(|| self.firmware.build()).as_ref()?)
     }
 }
 
